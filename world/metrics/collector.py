@@ -2,7 +2,7 @@
 
 import logging
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -157,15 +157,20 @@ class MetricsCollector:
 
 def _read_only(truth: TickTruth) -> TickTruth:
     """The same truth for metrics of others: they cannot write to what the run still needs."""
-    radio = replace(truth.state.radio, **_views(vars(truth.state.radio)))
-    state = replace(truth.state, **_views(vars(truth.state)), radio=radio)
+    radio = replace(truth.state.radio, **_views(_values(truth.state.radio)))
+    state = replace(truth.state, **_views(_values(truth.state)), radio=radio)
     telemetry = truth.telemetry._replace(**_views(truth.telemetry._asdict()))
     return truth._replace(**_views(truth._asdict()), state=state, telemetry=telemetry)
 
 
-def _views(fields: dict[str, Any]) -> dict[str, Any]:
-    """Read-only views of the arrays among these fields."""
-    return {name: read_only(value) for name, value in fields.items() if isinstance(value, np.ndarray)}
+def _values(instance: Any) -> dict[str, Any]:
+    """The fields of a data class by name; the core makes some of them only when they are read."""
+    return {field.name: getattr(instance, field.name) for field in fields(instance)}
+
+
+def _views(values: dict[str, Any]) -> dict[str, Any]:
+    """Read-only views of the arrays among these values."""
+    return {name: read_only(value) for name, value in values.items() if isinstance(value, np.ndarray)}
 
 
 def link_reception(radio: Radio, links: Edges) -> Floats:

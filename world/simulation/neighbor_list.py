@@ -55,6 +55,8 @@ class Proximity:
     """Position of each edge's pair among the candidates [m]."""
     separation: Floats
     """Separation of the candidates [p] [m]."""
+    least: float | None = None
+    """The smallest of these [m], infinite without any; None in a checkpoint of an earlier version."""
 
 
 def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
@@ -66,8 +68,8 @@ def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) ->
     )
     mask = separation <= reach
     if before and before.candidates is candidates and np.array_equal(mask, before.mask):
-        return replace(before, separation=separation)
-    return Proximity(candidates, mask, *_edges(ids, candidates, np.flatnonzero(mask)), separation)
+        return replace(before, separation=separation, least=_least(separation))
+    return Proximity(candidates, mask, *_edges(ids, candidates, np.flatnonzero(mask)), separation, _least(separation))
 
 
 def _edges(ids: Ints, candidates: Candidates, near: Ints) -> tuple[Edges, Ints]:
@@ -108,14 +110,19 @@ def smallest(near: Proximity, poses: Floats, present: Bools, below: float) -> fl
     all robots are searched only while no two of them have been in range.
     """
     candidates, separation = near.candidates, near.separation
+    least = near.least
     if not masks.is_full(present):
         separation = separation[present.take(candidates.a) & present.take(candidates.b)]
-    least = float(np.minimum.reduce(separation, initial=below))
-    if math.isnan(least):  # of robots at infinity; the other pairs count
-        least = float(np.fmin.reduce(separation, initial=below))
+        least = None
+    least = min(below, _least(separation) if least is None else least)
     if candidates.positions is None or least <= candidates.reach:
         return least
     return _closest(poses[present], candidates.reach, least)
+
+
+def _least(separation: Floats) -> float:
+    """The smallest of these, infinite without any; NaN, of robots at infinity, does not count."""
+    return float(np.fmin.reduce(separation, initial=math.inf))
 
 
 def _closest(poses: Floats, side: float, least: float) -> float:

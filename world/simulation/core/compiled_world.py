@@ -16,6 +16,7 @@ from world.simulation import neighbor_list
 from world.simulation.channel import Medium, Radio, RadioInput
 from world.simulation.core import self_test
 from world.simulation.core.link_kernels import LinkKernels
+from world.simulation.core.stored_radio import StoredRadio
 from world.simulation.core.structures import DRAWN, LEDGER, TOTALS, CandidateList, Input, Layout, Settings
 from world.simulation.formula import Formula
 from world.simulation.neighbor_list import Candidates, Proximity
@@ -138,14 +139,10 @@ class CompiledWorld:
             rows, peers = layout.view(after, "rows", m).copy(), layout.view(after, "peers", m).copy()
             edges = Edges(self._ids, rows, peers)
         m, view = len(edges), layout.view
-        proximity = Proximity(
-            candidates, view(after, "mask", p), edges, view(after, "pair", m), view(after, "separation", p)
-        )
-        age, sent, decoded, gap, longest_gap = layout.rows(after, "age", 5, m)
-        probability, outage_sum = layout.rows(after, "probability", 2, m)
-        reception, burst = layout.rows(after, "reception", 2, m)
-        now = Radio(edges, age, reception, sent, decoded, probability, outage_sum, gap, longest_gap, burst)
-        given = self._input
+        given, separation = self._input, view(after, "separation", p)
+        pair = view(after, "pair", m)
+        proximity = Proximity(candidates, view(after, "mask", p), edges, pair, separation, given.least)
+        now = StoredRadio.of(edges, layout, after)
         self._last, self._buffer = (proximity, now), after
         if near.candidates is not candidates:
             given.before = given.now

@@ -46,10 +46,12 @@ class LinkKernels:
     """Two functions of the world's library, and what they need to know of each set of links."""
 
     def __init__(self, library: ctypes.CDLL) -> None:
-        self._library = library
-        library.fes_world_separations.argtypes = [c_void_p] * 3
-        library.fes_world_link_errors.argtypes = [c_void_p] * 3 + [c_double, c_void_p]
-        library.fes_world_separations.restype = library.fes_world_link_errors.restype = None
+        # The calls are short: to release the interpreter's lock would take as long.
+        short = ctypes.PyDLL(None, handle=library._handle)
+        self._separations, self._errors = short.fes_world_separations, short.fes_world_link_errors
+        self._separations.argtypes = [c_void_p] * 3
+        self._errors.argtypes = [c_void_p] * 3 + [c_double, c_void_p]
+        self._separations.restype = self._errors.restype = None
         self._known: WeakKeyDictionary[Edges, _Known] = WeakKeyDictionary()
 
     def separations(self, links: Edges, poses: Floats) -> Floats:
@@ -58,7 +60,7 @@ class LinkKernels:
         if len(poses) < known.robots:
             raise ValueError(f"links of {known.robots} robots, poses of {len(poses)}")
         result = known.buffer()
-        self._library.fes_world_separations(known.address, poses.tobytes(), ctypes.addressof(result))
+        self._separations(known.address, poses.tobytes(), ctypes.addressof(result))
         return np.ndarray(known.structure.links, np.float64, result)
 
     def errors(self, links: Edges, estimates: Floats, separation: Floats, optimal: float) -> list[float]:
@@ -68,7 +70,7 @@ class LinkKernels:
             raise ValueError(f"{len(links)} links, {len(estimates)} estimates and {len(separation)} separations")
         values = estimates.tobytes(), separation.tobytes()  # copies: to ask numpy for an address takes longer
         numbers = (c_double * NUMBERS)()  # of this call: another thread may compute another run
-        self._library.fes_world_link_errors(known.address, *values, optimal, ctypes.addressof(numbers))
+        self._errors(known.address, *values, optimal, ctypes.addressof(numbers))
         return numbers[:]
 
     def _learn(self, links: Edges) -> _Known:

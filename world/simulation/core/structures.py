@@ -80,6 +80,7 @@ class Input(ctypes.Structure):
         ("now", CandidateList),
         ("sent", c_int64),
         ("decoded", c_int64),
+        ("least", c_double),
     )
 
 
@@ -93,25 +94,10 @@ class Layout:
         """Class of a buffer, of zeros: its address is known, and numpy arrays can lie in it."""
         self.places = dict(zip(_FIELDS, places, strict=True))
         """Place of each array [bytes]."""
-        self._rows = {name: self._row(name) for name in ("age", "probability", "reception")}
 
     def view(self, buffer: Buffer, name: str, shape: int | tuple[int, ...]) -> NDArray[Any]:
         """The first numbers of one array of a buffer, as an array of this shape."""
         return np.ndarray(shape, _FIELDS[name], buffer, self.places[name])
-
-    def rows(self, buffer: Buffer, first: str, count: int, length: int) -> NDArray[Any]:
-        """The first `length` numbers of `count` arrays from `first` on, which have one type, as rows.
-
-        `first` is the first array of a type in the ledger.
-        """
-        place, dtype, strides = self._rows[first]
-        return np.ndarray((count, length), dtype, buffer, place, strides)
-
-    def _row(self, first: str) -> tuple[int, type, tuple[int, int]]:
-        """Place, type and strides of the arrays from `first` on."""
-        names, dtype = list(_FIELDS), _FIELDS[first]
-        place, following = self.places[first], self.places[names[names.index(first) + 1]]
-        return place, dtype, (following - place, np.dtype(dtype).itemsize)
 
 
 class Batch(ctypes.Structure):

@@ -12,6 +12,7 @@ typedef struct {
     const double *factor;               /* of each robot's transmitter; NULL where all are healthy */
     Candidates before, now;             /* the same, unless a new list was made */
     i64 sent, decoded;                  /* of the tick, over the pairs in range: filled in */
+    double least;                       /* the smallest separation of two robots [m]: filled in */
 } Input;
 
 /* Takes `count` numbers of `size` bytes from the buffer; each array begins at a multiple of eight bytes. */
@@ -64,6 +65,14 @@ FES_API i64 fes_world_layout(i64 robots, i64 candidates, i64 *places) {
     return length;
 }
 
+/* The smallest of numbers; NaN does not count. */
+static double smallest(i64 count, const double *values) {
+    double least = infinity();
+    for (i64 i = 0; i < count; i++)
+        if (values[i] < least) least = values[i];
+    return least;
+}
+
 /* The next tick in `after`, from the tick in `before`. Returns flags, or CANDIDATES_TOO_OLD: then the caller makes a
  * new list for the poses in `after`, and calls again. */
 FES_API i64 fes_world_tick(const Settings *settings, Input *input, u8 *before_buffer, u8 *after_buffer) {
@@ -77,6 +86,7 @@ FES_API i64 fes_world_tick(const Settings *settings, Input *input, u8 *before_bu
                    &before, &now);
     input->sent = now.totals[SENT];
     input->decoded = now.totals[HEARD];
+    input->least = smallest(input->now.count, now.separation);
     const Pairs *old = &before.pairs, *pairs = &now.pairs;
     size_t size = sizeof(i64);
     int is_same = !memcmp(pairs->begin, old->begin, (size_t)(input->robots + 1) * size) &&
