@@ -24,7 +24,7 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 from fes.extension.context import SeededDraws
 from fes.model.config import AgentConfig
-from fes.model.sensing import Beacons, Observations, Telemetry, no_beacons
+from fes.model.sensing import Observations, Telemetry, no_beacons
 from world.config.scenario import Scenario, agent_config
 from world.metrics import summary
 from world.metrics.collector import MetricsCollector
@@ -54,13 +54,14 @@ def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] |
 
 
 def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
-    """All ticks in order, each as one Tick per run."""
+    """All ticks in order, each as one Tick per run, without the beacons: the robots hear them as one crew."""
     worlds = [truth.create(scenario) for scenario in scenarios]
     states = [truth.start(world) for world in worlds]
     places = _Places.of([world.ids for world in worlds])
     robots = CrewRun(_assemble(scenarios, places))
     joined, split = _Joined(places), _Split(places)
-    beacons, present = no_beacons(), [state.present for state in states]
+    beacons = unshared = no_beacons()
+    present = [state.present for state in states]
     for _ in range(scenarios[0].ticks):
         now = [state.present for state in states]
         if any(new is not old for new, old in zip(now, present, strict=True)):
@@ -68,8 +69,8 @@ def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
             robots.forget(np.concatenate(rejoined))
             present = now
         beacons, twists, telemetry = robots.step(joined.observations(states), beacons)
-        by_run = zip(states, split.beacons(beacons), places.rows(twists), split.telemetry(telemetry), strict=True)
-        finished = [inprocess.tick(*of_run) for of_run in by_run]
+        by_run = zip(states, places.rows(twists), split.telemetry(telemetry), strict=True)
+        finished = [inprocess.tick(state, unshared, held, learnt) for state, held, learnt in by_run]
         yield finished
         states = [truth.step(world, tick.state, tick.twists) for world, tick in zip(worlds, finished, strict=True)]
 
@@ -171,7 +172,7 @@ class _Joined:
 
 
 class _Split:
-    """The beacons and telemetry of each run, from those of the crew.
+    """The telemetry of each run, from that of the crew.
 
     A run's links are the same object while its pairs are the same.
     """
@@ -182,19 +183,9 @@ class _Split:
         self._parts: list[Edges] = []
         self._cuts: list[slice] = []
 
-    def beacons(self, beacons: Beacons) -> list[Beacons]:
-        """The beacons of each run."""
-        self._update(beacons.links)
-        by_robot: tuple[NDArray[Any], ...] = beacons.poses, beacons.statistics, beacons.declared
-        rows = zip(self._places.own, *map(self._places.rows, by_robot), strict=True)
-        return [
-            Beacons(beacons.tick, own, poses, links, beacons.estimates[cut], beacons.selected[cut], *laws)
-            for (own, poses, *laws), links, cut in zip(rows, self._parts, self._cuts, strict=True)
-        ]
-
     def telemetry(self, telemetry: Telemetry) -> list[Telemetry]:
         """The telemetry of each run."""
-        self._update(telemetry.links)  # the links of the beacons, unless a transmitter is late
+        self._update(telemetry.links)
         parts = zip(self._parts, self._cuts, self._places.rows(telemetry.details), strict=True)
         return [
             Telemetry(links, telemetry.estimates[cut], telemetry.learnt[:, cut], details)

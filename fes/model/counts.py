@@ -4,6 +4,7 @@ A ratio of two floats may be infinite, so each is bounded before it becomes an i
 """
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -37,6 +38,7 @@ def ticks_of(period: float, dt: float) -> int:
     return max(1, ticks(period, dt))
 
 
+@cache  # metrics ask at each tick
 def ticks_within(time: float, dt: float) -> int:
     """Number of ticks after which a `time` [s] is over.
 

@@ -142,12 +142,17 @@ def link_separations(links: Edges, poses: Floats) -> Floats:
 def link_errors(telemetry: Telemetry, separation: Floats, optimal: float) -> dict[str, float]:
     """Disagreement, largest errors, and mean estimate over the links in use [m]; NaN without links."""
     links, estimates = telemetry.links, telemetry.estimates
-    if len(links) == 0:
+    if len(estimates) == 0:
         return dict.fromkeys(NUMBERS, math.nan)
     kernels = compiled_world.link_kernels()
     numbers = _numbers if kernels is None else kernels.errors
-    *errors, total = numbers(links, estimates, separation, optimal)
-    return dict(zip(NUMBERS, (*errors, total / len(links)), strict=True))
+    disagreement, of_estimates, of_separations, total = numbers(links, estimates, separation, optimal)
+    return {
+        "disagreement": disagreement,
+        "estimate_error": of_estimates,
+        "separation_error": of_separations,
+        "estimate": total / len(estimates),
+    }
 
 
 def _numbers(links: Edges, estimates: Floats, separation: Floats, optimal: float) -> list[float]:

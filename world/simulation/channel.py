@@ -8,6 +8,7 @@ ticks after the robots came in range.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -38,8 +39,13 @@ class Medium:
     """Tick length [s]."""
     fading: DrawCache
     bursts: DrawCache
-    waves: shadowing.Modes
+    seed: int
     reception: Reception
+
+    @cached_property
+    def waves(self) -> shadowing.Modes:
+        """The waves of the shadowing, made when a channel first has any."""
+        return shadowing.modes(self.seed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +95,7 @@ _NO_LEDGER = Radio(
 def medium(seed: int, context: WorldContext) -> Medium:
     """The medium of a run with `seed`."""
     fading, states = (DrawCache(draws.key(seed, stream)) for stream in ("channel", "bursts"))
-    return Medium(context.dt, fading, states, shadowing.modes(seed), Reception(context))
+    return Medium(context.dt, fading, states, seed, Reception(context))
 
 
 def quiet(edges: Edges) -> Radio:

@@ -109,13 +109,14 @@ class CompiledWorld:
         """The next tick in a new buffer, with these candidates, and flags; a list that `is_new` is not checked."""
         if candidates is not self._candidates:
             self._point(candidates)
-        after, listed = self._layout(len(candidates.a)).buffer(), self._input.now
-        positions = listed.positions
+        after = self._layout(len(candidates.a)).buffer()
+        positions = self._input.now.positions if is_new else None
         if is_new:  # a robot at infinity would have moved from any position
-            listed.positions = None
+            self._input.now.positions = None
         before, address = ctypes.addressof(self._buffer), ctypes.addressof(after)
         flags = self._library.fes_world_tick(*self._addresses, before, address)
-        listed.positions = positions
+        if is_new:
+            self._input.now.positions = positions
         return after, flags
 
     def _point(self, candidates: Candidates) -> None:
