@@ -122,7 +122,7 @@ def smallest(near: Proximity, poses: Floats, present: Bools, below: float) -> fl
 
 def _least(separation: Floats) -> float:
     """The smallest of these, infinite without any; NaN, of robots at infinity, does not count."""
-    return float(np.fmin.reduce(separation, initial=math.inf))
+    return float(np.minimum.reduce(separation[separation < math.inf], initial=math.inf))
 
 
 def _closest(poses: Floats, side: float, least: float) -> float:

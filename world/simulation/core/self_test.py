@@ -50,9 +50,9 @@ def _last(library: ctypes.CDLL, settings: Settings) -> bytes:
 def _links(library: ctypes.CDLL) -> bytes:
     kernels = LinkKernels(library)
     robots = np.arange(_ROBOTS)
-    links = Edges(
-        robots, np.repeat(robots, 2), np.sort([(robots + 1) % _ROBOTS, (robots + 3) % _ROBOTS], 0).T.ravel()
-    )
+    near, far = (robots + 1) % _ROBOTS, (robots + 3) % _ROBOTS
+    peers = np.stack([np.minimum(near, far), np.maximum(near, far)], axis=1)
+    links = Edges(robots, np.repeat(robots, 2), peers.ravel())
     poses = np.stack([45.0 * robots, 7.0 * robots * robots, 0.0 * robots], axis=1)
     separation = kernels.separations(links, poses)
     estimates = np.arange(60.0, 60.0 + len(links))
