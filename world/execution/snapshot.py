@@ -2,7 +2,7 @@
 
     fes checkpoint 6
     SHA-256 of the rest of the file
-    {"fes": "0.6.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
+    {"fes": "0.7.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
 
 A state is read only if the whole head matches. Loading it cannot execute code.
 """

@@ -7,7 +7,9 @@ number of pairs at once, so memory grows only with the pairs in range.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -55,8 +57,15 @@ class Proximity:
     """Position of each edge's pair among the candidates [m]."""
     separation: Floats
     """Separation of the candidates [p] [m]."""
-    least: float | None = None
-    """The smallest of these [m], infinite without any; None in a checkpoint of an earlier version."""
+
+    @cached_property
+    def least(self) -> float:
+        """The smallest of these [m], infinite without any; NaN, of robots at infinity, does not count."""
+        return _least(self.separation)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The smallest separation is computed again on demand.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) -> Proximity:
@@ -68,8 +77,8 @@ def measure(ids: Ints, poses: Floats, reach: float, before: Proximity | None) ->
     )
     mask = separation <= reach
     if before and before.candidates is candidates and np.array_equal(mask, before.mask):
-        return replace(before, separation=separation, least=_least(separation))
-    return Proximity(candidates, mask, *_edges(ids, candidates, np.flatnonzero(mask)), separation, _least(separation))
+        return replace(before, separation=separation)
+    return Proximity(candidates, mask, *_edges(ids, candidates, np.flatnonzero(mask)), separation)
 
 
 def _edges(ids: Ints, candidates: Candidates, near: Ints) -> tuple[Edges, Ints]:
@@ -109,19 +118,17 @@ def smallest(near: Proximity, poses: Floats, present: Bools, below: float) -> fl
     `near` are the pairs in range at these poses. The candidates contain all pairs within the range of their list. So
     all robots are searched only while no two of them have been in range.
     """
-    candidates, separation = near.candidates, near.separation
-    least = near.least
+    candidates, least = near.candidates, near.least
     if not masks.is_full(present):
-        separation = separation[present.take(candidates.a) & present.take(candidates.b)]
-        least = None
-    least = min(below, _least(separation) if least is None else least)
+        least = _least(near.separation[present.take(candidates.a) & present.take(candidates.b)])
+    least = min(below, least)
     if candidates.positions is None or least <= candidates.reach:
         return least
     return _closest(poses[present], candidates.reach, least)
 
 
 def _least(separation: Floats) -> float:
-    """The smallest of these, infinite without any; NaN, of robots at infinity, does not count."""
+    """The smallest separation that is a number, infinite without any."""
     return float(np.minimum.reduce(separation[separation < math.inf], initial=math.inf))
 
 

@@ -142,7 +142,8 @@ class CompiledWorld:
         m, view = len(edges), layout.view
         given, separation = self._input, view(after, "separation", p)
         pair = view(after, "pair", m)
-        proximity = Proximity(candidates, view(after, "mask", p), edges, pair, separation, given.least)
+        proximity = Proximity(candidates, view(after, "mask", p), edges, pair, separation)
+        vars(proximity)["least"] = given.least  # the core has found it
         now = StoredRadio.of(edges, layout, after)
         self._last, self._buffer = (proximity, now), after
         if near.candidates is not candidates:
