@@ -113,7 +113,7 @@ int wire_read(const Crew *crew, Messages *messages, Input *input) {
     return are_complete(crew, messages) ? READ : UNUSUAL;
 }
 
-/* What each message of a robot begins with. */
+/* The start of each message of a robot. */
 static Writer started(const Crew *crew, const Messages *messages, i64 tick, i64 robot, u8 *place, int count) {
     Writer writer = {place};
     *writer.next++ = (u8)(0x91 + count);

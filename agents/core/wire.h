@@ -8,10 +8,10 @@
 typedef struct {
     i64 version;                       /* of the protocol */
     const i64 *since;                  /* tick from which each robot takes part [n] */
-    const u8 *observations;            /* of the robots, in their order, one behind the other */
+    const u8 *observations;            /* of the robots, in their order, one after the other */
     const i64 *observation_lengths;    /* [n] */
     i64 senders;
-    const u8 *beacons;                 /* by ascending sender, one behind the other */
+    const u8 *beacons;                 /* by ascending sender, one after the other */
     const i64 *beacon_lengths;         /* [senders] */
     i64 pairs;                         /* room for pairs in range, and for links of the senders */
     i64 links;

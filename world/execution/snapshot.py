@@ -4,7 +4,7 @@
     SHA-256 of the rest of the file
     {"fes": "0.7.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
 
-A state is read only if the whole head matches. Loading it cannot execute code.
+A state is read only if its format, checksum, arithmetic and extensions match. Loading it cannot execute code.
 """
 
 import hashlib

@@ -1,6 +1,7 @@
 /* The few forms of msgpack that messages between world and agents have, read with bounds and written.
  *
- * A reader that meets anything else, or the end of the bytes, is broken from then on: it gives zeros. */
+ * A reader that meets anything else, or the end of the bytes, is broken from then on: it gives zeros.
+ * Twin: fes/protocol/wire.py. */
 #ifndef FES_MSGPACK_H
 #define FES_MSGPACK_H
 

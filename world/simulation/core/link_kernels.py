@@ -43,7 +43,7 @@ class _Known(NamedTuple):
 
 
 class LinkKernels:
-    """Two functions of the world's library, and what they need to know of each set of links."""
+    """Two functions of the world's library, and the data of each set of links that they need."""
 
     def __init__(self, library: ctypes.CDLL) -> None:
         # The calls are short: to release the interpreter's lock would take as long.

@@ -66,7 +66,8 @@ static double *copied(Blob blob, double *numbers) {
     return numbers + blob.length / 8;
 }
 
-/* Reads a command that is `at` bytes behind the first; the place after its numbers, or NULL if it is unusual. */
+/* Reads a command that begins `at` bytes after the first byte of the batch; the place after its numbers, or NULL if it
+ * is unusual. */
 static double *read_command(const Batch *batch, Blob payload, i64 at, i64 sender, double *twist, Parts *parts,
                             double *numbers) {
     Reader reader = started(batch, payload, sender, 9);

@@ -1,4 +1,5 @@
-/* Beacons and commands of one tick, read by the world. Twins: fes/protocol/messages.py, world/execution/marshalling.py. */
+/* Beacons and commands of one tick, read by the world.
+ * Twins: fes/protocol/messages.py, world/execution/marshalling.py. */
 #ifndef FES_WORLD_MESSAGES_H
 #define FES_WORLD_MESSAGES_H
 
@@ -19,7 +20,7 @@ typedef struct {
     i64 count;                /* of payloads */
 } Batch;
 
-/* What a command holds beside its twist: the place of its links, and the lengths of its lists of numbers. */
+/* The parts of a command beside its twist: the place of its links, and the lengths of its lists of numbers. */
 typedef struct {
     i64 links_at, links_length;         /* from the first byte of the batch [bytes] */
     i64 estimates, learnt, details;     /* [numbers] */

@@ -12,7 +12,7 @@ typedef struct {
     const double *factor;               /* of each robot's transmitter; NULL where all are healthy */
     Candidates before, now;             /* the same, unless a new list was made */
     i64 sent, decoded;                  /* of the tick, over the pairs in range: filled in */
-    double least;                       /* the smallest separation of two robots [m]: filled in */
+    double least;                       /* the smallest separation of the candidates [m]: filled in */
 } Input;
 
 /* Takes `count` numbers of `size` bytes from the buffer; each array begins at a multiple of eight bytes. */
