@@ -11,8 +11,10 @@ from fes.arithmetic.core.library import Buffer
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
 
+DISAGREEMENT, ESTIMATE_ERROR, SEPARATION_ERROR, ESTIMATES = range(4)
+"""The numbers of links: the last one is the sum of all estimates."""
+
 NUMBERS = 4
-"""Disagreement, largest error of the estimates and of the separations, and sum of the estimates."""
 
 
 class Links(ctypes.Structure):

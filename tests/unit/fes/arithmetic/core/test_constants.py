@@ -22,7 +22,7 @@ from fes.protocol import wire
 from tests.support import kernels
 from tests.support.paths import ROOT
 from world.simulation import bursts
-from world.simulation.core import compiled_world
+from world.simulation.core import compiled_world, link_kernels
 from world.simulation.core import structures as world
 
 FOLDERS = ("fes/arithmetic/core", "agents/core", "agents/laws/core", "world/simulation/core")
@@ -51,7 +51,7 @@ NAMED: dict[str, dict[str, Any]] = {
         "ANGLE_SERIES": angle.SERIES,
     },
     "crew.h": {"NEVER": contacts.NEVER, "MAX_NUMBER": sensing.MAX_NUMBER, "MAX_TWIST": sensing.MAX_TWIST},
-    "links.c": {"FIRST_EXCHANGE_TICKS": crew.FIRST_EXCHANGE_TICKS},
+    "agents/core/links.c": {"FIRST_EXCHANGE_TICKS": crew.FIRST_EXCHANGE_TICKS},
     "measured.c": {
         **{name: getattr(packet_counting, name) for name in ("MIXING", "LOW", "HIGH", "NEAREST", "LEAST_WEIGHT")},
         **{name: getattr(packet_counting, name) for name in ("SPEED", "LEAST_CURVATURE", "FARTHEST")},
@@ -104,6 +104,9 @@ COUNTED: dict[str, dict[str, int]] = {
         "CONTACTS", "RULE", "LINKS", "PULL", "GIVE_WAY", "TWISTS", "SLOW_DOWN", "MEASURED", "MEASURED_SEEK",
         "PERTURBATION_SEEK",
     )},
+    "simulation/core/links.c": {name: getattr(link_kernels, name) for name in (
+        "DISAGREEMENT", "ESTIMATE_ERROR", "SEPARATION_ERROR", "ESTIMATES",
+    )},
     "messages.h": {
         name: getattr(sensing, name) for name in ("MAX_STATISTICS", "MAX_DECLARED", "MAX_LEARNT", "MAX_DETAILS")
     },
@@ -130,6 +133,7 @@ STRUCTURES: dict[tuple[str, str], type[ctypes.Structure]] = {
     ("messages.h", "Parts"): world.Parts,
     ("world.h", "Candidates"): world.CandidateList,
     ("simulation/core/tick.c", "Input"): world.Input,
+    ("simulation/core/links.c", "Links"): link_kernels.Links,
 }
 
 
