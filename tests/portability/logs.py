@@ -11,6 +11,7 @@ from pathlib import Path
 from console.backends import inprocess
 from console.replay import command, log
 from fes.errors import FesError
+from fes.recording.writer.log_file import LogFile
 from tests.portability import cases
 from world.execution.recorder import Recorder
 
@@ -27,7 +28,8 @@ def record(path: Path, name: str, seconds: float) -> str:
     """Record a case; returns its digest."""
     scenario = cases.load(name, seconds)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with Recorder(path, scenario, name, "inprocess") as recorder:
+    # an emulated Python cannot start another one, so the log is written here
+    with Recorder(path, scenario, name, "inprocess", writer=LogFile) as recorder:
         summary = inprocess.run(scenario, name, recorder=recorder)
         recorder.conclude(summary)
     return str(summary["digest"])
