@@ -1,4 +1,4 @@
-"""The compiled core of the world: its whole tick in C, to the bits of `world.simulation`.
+"""The compiled core of the world, to the bits of numpy: its tick, the errors of links, the messages that it reads.
 
 compiled_world  a world whose tick is one call.
 link_kernels    separations and errors of the robots' links.
