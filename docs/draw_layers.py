@@ -20,13 +20,14 @@ ROW, BOX_WIDTH, BOX_HEIGHT, GAP = 44, 132, 26, 22
 TOP, MARGIN = 50, 16
 """Height of the heading, and margin around the layers."""
 
-LANES = {"agents": 170.0, "world": 690.0, "fes": 430.0, "console": 460.0}
+LANES = {"agents": 170.0, "world": 690.0, "fes": 430.0, "field": 170.0, "console": 460.0}
 """Center of each package's boxes."""
 
 COLORS = {
     "fes": ("#D6E6F5", "#1F5F99"),
     "agents": ("#DDF0DC", "#2E7D32"),
     "world": ("#FCE5CD", "#B45F06"),
+    "field": ("#F9D9D5", "#A3352A"),
     "console": ("#E9DDF3", "#6A3D9A"),
 }
 """Fill of a package's boxes; color of their frames and of the arrows from them."""

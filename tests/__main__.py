@@ -14,7 +14,7 @@ PARALLEL = ["-n", "3", "--dist", "loadfile", "--no-loadscope-reorder"]
 """Three processes, each with complete files, in their order: xdist would start the longest file last."""
 
 QUICK = [*PARALLEL, "-q", "-m", "not slow", "--hypothesis-profile", "quick"]
-QUICK += ["tests/unit", "tests/architecture", "fes", "agents", "world", "console"]
+QUICK += ["tests/unit", "tests/architecture", "fes", "agents", "world", "field", "console"]
 """The folders of quick tests, and the doctests; hypothesis generates a fifth of its examples."""
 
 CHOSEN = QUICK + sys.argv[2:] if sys.argv[1:2] == ["--quick"] else sys.argv[1:] or PARALLEL

@@ -1,6 +1,7 @@
 """Zenoh: one session per process, and the way of its samples to asyncio.
 
 bus                   everything that a session declares
+foreign               keys of programs that are not ours, such as ROS 2 nodes
 session               how a session is opened
 inbox                 from Zenoh's threads to the loop, one wake-up per tick
 network_flags         flags that say how a program reaches a run

@@ -105,6 +105,15 @@ class Bus:
         self._loop = loop
         self._held: list[Any] = []
 
+    @property
+    def session(self) -> zenoh.Session:
+        """The Zenoh session, for `fes.transport.foreign`."""
+        return self._session
+
+    def hold(self, declared: object) -> None:
+        """Keep a declaration until the session closes."""
+        self._held.append(declared)
+
     def declare_publisher(
         self, key: str, schema: str, *, drop: bool = False, mark: bytes | None = None
     ) -> Callable[[bytes], None]:

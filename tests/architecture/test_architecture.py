@@ -106,7 +106,7 @@ def below_console(names: set[str]) -> set[str]:
 
 
 def test_only_the_bus_and_its_session_import_zenoh() -> None:
-    assert importers("zenoh") <= {"fes.transport.bus", "fes.transport.session"}
+    assert importers("zenoh") <= {"fes.transport.bus", "fes.transport.foreign", "fes.transport.session"}
     assert importers("fes.transport.session") == {"fes.transport.bus"}
 
 

@@ -12,7 +12,7 @@ from tests.support.paths import DOCS, ROOT, tracked
 
 LONGEST_README = 150
 LANGUAGES = {"sh", "console", "text", "toml", "python"}
-NAMING = ("compose.yaml", "deploy", "tests", "fes", "agents", "world", "console", "bench")
+NAMING = ("compose.yaml", "deploy", "tests", "fes", "agents", "world", "field", "console", "bench")
 """Folders and files whose comments name pages."""
 
 LINKED = [*fences.PAGES, ROOT / "CHANGELOG.md", ROOT / "SECURITY.md"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.support.paths import ROOT
 
-PACKAGES = ("fes", "agents", "world", "console")
+PACKAGES = ("fes", "agents", "world", "field", "console")
 
 
 def modules(*packages: str) -> dict[str, Path]:

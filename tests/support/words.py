@@ -13,7 +13,7 @@ from typing import NamedTuple
 from tests.support.paths import ROOT
 from tests.support.prose import Prose, prose_of
 
-PRODUCT = ("fes", "agents", "world", "console")
+PRODUCT = ("fes", "agents", "world", "field", "console")
 """Packages whose identifiers are nouns of the domain."""
 
 IDENTIFIERS = {

@@ -1,0 +1,2 @@
+"""A robot in the real world: its body, its gate, its radio and its senses instead of a simulated world.
+"""
