@@ -19,7 +19,7 @@ RawHandler = Callable[[str, bytes, bytes], None]
 
 
 def declare_publisher(bus: Bus, key: str) -> Put:
-    """A function that puts payloads on `key` at the highest priority, and drops them where the network is congested."""
+    """A function that puts payloads on `key` at the highest priority; a congested network drops them."""
     declared = bus.session.declare_publisher(
         key,
         congestion_control=zenoh.CongestionControl.DROP,
