@@ -1,2 +1,1 @@
-"""A robot in the real world: its body, its gate, its radio and its senses instead of a simulated world.
-"""
+"""A robot in the real world: its body, its gate, its radio and its senses instead of a simulated world."""

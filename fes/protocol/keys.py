@@ -15,6 +15,12 @@
 | fes/<run>/robot/<i>/command     | Command                  | agent i -> world                    | each tick    |
 | fes/<run>/world/report          | Report                   | world -> observers                  | 10 Hz (wall) |
 | fes/<run>/world/set             | Change, answered by Effect | person -> world -> person         | when asked   |
+| fes/<run>/robot/<i>/gate        | liveliness token         | gate of a real robot i -> all       | while up     |
+| fes/<run>/robot/<i>/report      | RobotReport              | real robot i -> observers           | 10 Hz (wall) |
+| fes/<run>/team/permit           | Permit                   | operator -> all gates               | 5 Hz (wall)  |
+| fes/<run>/robot/<i>/start       | empty, answered by GateStatus | operator -> gate i -> operator | when asked   |
+| fes/<run>/robot/<i>/stop        | empty, answered by GateStatus | operator -> gate i -> operator | when asked   |
+| fes/<run>/robot/<i>/status      | empty, answered by GateStatus | person -> gate i -> person     | when asked   |
 
 One robot owns one prefix, and an agent asks to join on a key that names its robots. So access rules are rules about
 keys (`world/server/access.py`).
@@ -144,6 +150,36 @@ def held_beacon(run: str, robot: int | str, robots: str) -> str:
 def command(run: str, robot: int | str) -> str:
     """The key of a robot's Commands."""
     return f"fes/{run}/robot/{robot}/command"
+
+
+def gate_alive(run: str, robot: int | str) -> str:
+    """The liveliness token of a real robot's gate; `*` for all robots, as in the functions below."""
+    return f"fes/{run}/robot/{robot}/gate"
+
+
+def robot_report(run: str, robot: int | str) -> str:
+    """The key of a real robot's RobotReports."""
+    return f"fes/{run}/robot/{robot}/report"
+
+
+def permit(run: str) -> str:
+    """The key of the operator's Permits, for the gates of all robots."""
+    return f"fes/{run}/team/permit"
+
+
+def gate_start(run: str, robot: int | str) -> str:
+    """The key on which an operator asks a gate to let its robot move."""
+    return f"fes/{run}/robot/{robot}/start"
+
+
+def gate_stop(run: str, robot: int | str) -> str:
+    """The key on which an operator asks a gate to stop its robot."""
+    return f"fes/{run}/robot/{robot}/stop"
+
+
+def gate_status(run: str, robot: int | str) -> str:
+    """The key on which a person asks a gate for its state."""
+    return f"fes/{run}/robot/{robot}/status"
 
 
 def robot_of(key: str) -> int | None:
