@@ -9,8 +9,9 @@ import numpy as np
 
 from console.api import arguments
 from fes.errors import ScenarioError
+from fes.settings import toml
 from fes.system import encoding
-from world.config import builtin, scenario, toml
+from world.config import builtin, scenario
 from world.config.outside import schemes
 from world.config.outside.schemes import NOTHING, Comparison
 from world.config.scenario import Scenario

@@ -10,7 +10,7 @@ from console.api.columns import Column
 from console.sweep.design import Value
 from console.sweep.table import TEXTS, Row
 from fes.errors import FesError
-from world.config.validation import short
+from fes.settings.validation import short
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -20,9 +20,9 @@ from fes.extension.kinds import (
     nearest,
 )
 from fes.model.table import Use
+from fes.settings.validation import first_rule
 from world.config import scenario
 from world.config.scenario import Scenario
-from world.config.validation import first_rule
 
 ROBOTS = 5
 """Number of robots of a run: several crews of several robots each."""

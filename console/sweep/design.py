@@ -14,12 +14,12 @@ from typing import Any
 
 from console.backends import inprocess
 from fes.errors import ScenarioError
+from fes.settings.validation import short
 from fes.system import encoding, strict_json
 from world.config.outside import extensions, schemes
 from world.config.outside.schemes import NOTHING, SCHEME, ColumnConfig, Comparison
 from world.config.overrides import value_at
 from world.config.scenario import Scenario, load, parse_override
-from world.config.validation import short
 from world.simulation import crowd
 
 SEED = "run.seed"

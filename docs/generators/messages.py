@@ -7,10 +7,10 @@ from types import ModuleType
 
 from docs.generators.markdown import code, prose, table
 from fes.model import sensing
-from fes.protocol import channel_change, keys, messages, report, wire, world_info
+from fes.protocol import channel_change, keys, messages, report, robot_control, wire, world_info
 
 TITLE = "Messages and keys"
-MODULES = (messages, report, world_info, channel_change)
+MODULES = (messages, report, robot_control, world_info, channel_change)
 CALLED = {"WorldInfo": "About", "ParameterChange": "Change", "ChangeResult": "Effect"}
 """Classes whose message has another name on the wire."""
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from fes.protocol import wire
 
 RUNNING, STOPPED, HELD = "running", "stopped", "held"
-"""Modes of a gate: it passes commands; it is latched, until it is started; it commands zero, and resumes by itself."""
+"""Modes of a gate: it passes commands; it is latched until it is started; it commands zero and resumes by itself."""
 
 MODES = (RUNNING, STOPPED, HELD)
 

@@ -14,10 +14,11 @@ from console import cli, guide
 from console.analysis.claims import CLAIMS
 from console.sweep.table import Format
 from fes.model.config import Clock
+from fes.settings import validation
 from fes.system import strict_json
 from fes.transport import network_flags
 from tests.support.commands import PROGRAMS, call
-from world.config import builtin, validation
+from world.config import builtin
 from world.config.outside.schemes import Comparison
 from world.config.scenario import Scenario
 

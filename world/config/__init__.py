@@ -9,8 +9,6 @@ events        its tables [[event]]: changes during the run
 expectations  its tables [[expect]]: expectations of the summary
 schema        its fields: type, range, default, unit and description; the JSON schema
 outside       the code of its extensions, the file of its trace, and named variants
-validation    a broken rule, in one line
 overrides     overrides of its fields by --set
 remarks       parts of a scenario that do not run as written
-toml          TOML from outside: bounded, or rejected in one line
 """

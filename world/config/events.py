@@ -10,11 +10,11 @@ from fes.arrays.types import Bools
 from fes.errors import ScenarioError
 from fes.model import counts
 from fes.model.table import Table
+from fes.settings.validation import first_rule, short
 from world.config import faults
 from world.config.faults import ClockConfig, Part, RobotId, TransmitterConfig
 from world.config.overrides import descend, value_at
 from world.config.radio import RadioConfig
-from world.config.validation import first_rule, short
 
 PREFIX = "channel."
 """Prefix of the fields that can change: robots receive the other settings only when they join."""

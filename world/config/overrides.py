@@ -5,9 +5,9 @@ from typing import Any
 
 from fes.errors import ScenarioError
 from fes.model.seeking import BUILT_IN
+from fes.settings import toml
+from fes.settings.validation import short
 from fes.system import encoding
-from world.config import toml
-from world.config.validation import short
 
 
 def parse_override(text: str) -> tuple[str, Any]:

@@ -14,8 +14,10 @@ from fes.model import counts, stability
 from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
+from fes.settings import toml
+from fes.settings.validation import first_rule
 from fes.shapes import rules
-from world.config import events, expectations, faults, starts, toml
+from world.config import events, expectations, faults, starts
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig, MetricConfig
 from world.config.faults import Transmission
@@ -24,7 +26,6 @@ from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
 from world.config.starts import RobotsConfig
-from world.config.validation import first_rule
 
 
 class RunConfig(Table):

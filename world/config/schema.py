@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 from pydantic import ConfigDict
 
 from fes.model.table import Table
+from fes.settings.validation import tables_within
 from world.config.outside.schemes import Comparison
 from world.config.scenario import Scenario
-from world.config.validation import tables_within
 
 _UNITS = "1|m|s|rad|dB|m/s|rad/s|1/s|rad/s/m|bit/s/Hz|ticks"
 _UNIT = re.compile(rf" ?\[((?:{_UNITS})(?:, (?:{_UNITS}))*)(?:; ([^\]]+))?\]")

@@ -13,8 +13,8 @@ from pydantic import Field, ValidationError, model_validator
 
 from fes.errors import ScenarioError
 from fes.model.table import Positive, Table
-from world.config import toml
-from world.config.validation import first_rule, short
+from fes.settings import toml
+from fes.settings.validation import first_rule, short
 
 SCHEME = "scheme"
 """The override that chooses a scheme, and the axis of a sweep of schemes."""

@@ -9,10 +9,11 @@ import pytest
 from fes.errors import ScenarioError
 from fes.model.config import AgentConfig, FaultConfig
 from fes.model.table import Table
+from fes.settings import validation
 from fes.system import strict_json
 from tests.support.paths import CONFIGS
 from world.config import scenario as scenarios
-from world.config import schema, validation
+from world.config import schema
 
 FIELDS = {field.path: field for field in schema.fields()}
 UNIT_OF_THE_KEY = {"expect[].below", "expect[].above", "expect[].equals"}

@@ -1,0 +1,5 @@
+"""Files of settings that a person writes, and errors in them in one line.
+
+toml        TOML with bounds on depth and size
+validation  the first rule of a table that is broken
+"""
