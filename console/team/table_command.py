@@ -1,0 +1,76 @@
+"""fes team run: a team on a simulated table, with all processes of real robots."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from console import guide
+from console.connect import options, run_directory
+from console.dashboard import live
+from console.team.command import app
+from console.team.table_run import TableRun
+from console.terminal import printing
+from fes import process
+from fes.system import strict_json
+from world.config import builtin
+from world.config.scenario import load, parse_override
+from world.metrics.summary import write, write_scenario
+
+
+
+@guide.command(app, "team run")
+def run(
+    scenario: options.Scenario,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=options.SET)] = None,
+    use: options.Use = None,
+    body: Annotated[str | None, typer.Option(help="Override tabletop.body: kinematic or mujoco.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Override run.seed.")] = None,
+    duration: Annotated[float | None, typer.Option(help="Override run.duration [s].")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
+    headless: Annotated[bool, typer.Option("--headless", help="Show no dashboard.")] = False,
+    json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
+) -> int:
+    """Run a team on a simulated table, with a fes-robot and a gate for each robot."""
+    fields = [("run.seed", seed), ("run.duration", duration), ("tabletop.body", body)]
+    given = [*(set_ or []), *(f"{field}={value}" for field, value in fields if value is not None)]
+    path = builtin.resolve(scenario)
+    loaded = load(path, dict(parse_override(text) for text in given))
+    screen = printing.console(stderr=json_)
+    shows = printing.is_screen(screen) and not headless and not json_
+    with run_directory.created(path.stem, out) as directory:
+        write_scenario(directory.path, loaded)
+        lines: list[str] = []
+        say = lines.append if shows or json_ else printing.line
+        team = TableRun(loaded, directory.path, say)
+        if shows:
+            with live.Screen(screen, expected="the robots") as frames:
+                result = process.supervise(lambda: team.run(frames))
+        else:
+            result = process.supervise(lambda: team.run(None))
+        write(directory.path, result)
+        if json_:
+            print(strict_json.dumps(result), flush=True)
+        else:
+            for line in lines:
+                printing.line(line)
+            for line in _lines(result):
+                printing.line(line)
+            printing.line(f"run directory: {directory.path}")
+    return process.SUCCESS
+
+
+def _lines(result: dict[str, Any]) -> list[str]:
+    """The summary in words."""
+
+    def number(name: str, unit: str) -> str:
+        value = result[name]
+        return "not reached" if value is None else f"{value:.2f} {unit}"
+
+    return [
+        f"optimum r*: {number('optimal_separation', 'm')}",
+        f"mean estimate within 1 m of it from {number('estimate_time', 's')} on; now off by "
+        f"{number('mean_estimate_error', 'm')}",
+        f"{result['links']} links within 1 m of it from {number('separation_time', 's')} on; rms "
+        f"{number('separation_error_rms', 'm')}",
+    ]

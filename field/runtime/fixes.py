@@ -1,0 +1,61 @@
+"""The pose of a robot at its ticks, from the poses that its body has reported at times of its own."""
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from fes.model import kinematics
+
+MEMORY = 256
+"""Most poses that are remembered: those of one second at 250 Hz."""
+
+
+class Pose(NamedTuple):
+    """A pose that the body has reported."""
+
+    time: int
+    """Time of its arrival [ns; monotonic]."""
+    pose: tuple[float, float, float]
+    """x, y, heading [m, m, rad; team frame, full size]."""
+
+
+class Fix(NamedTuple):
+    """A pose for an Observation, and the tick at which it holds."""
+
+    pose: tuple[float, float, float]
+    tick: int
+
+
+class Fixes:
+    """The last poses of a body."""
+
+    def __init__(self, period: int) -> None:
+        """`period` is the tick length [ns]."""
+        self._period = period
+        self._poses = deque[Pose](maxlen=MEMORY)
+
+    def add(self, pose: Pose) -> None:
+        """Take a pose, at the time of its arrival."""
+        self._poses.append(pose)
+
+    def age(self, now: int) -> int | None:
+        """Age of the newest pose [ns]; None before the first."""
+        return now - self._poses[-1].time if self._poses else None
+
+    def at(self, tick: int, start: int, twist: tuple[float, float]) -> Fix | None:
+        """The newest pose that had arrived when `tick` began at the time `start` [ns]; None without one.
+
+        It is moved along `twist` [m/s, rad/s], the one in force, to the begin of a tick: of this one if it is younger
+        than a tick, else of the tick that began nearest to its arrival. A pose arrives up to a tick before the step,
+        in which a fast robot moves by centimeters.
+        """
+        known = next((pose for pose in reversed(self._poses) if pose.time <= start), None)
+        if known is None:
+            return None
+        age = start - known.time
+        behind = 0 if age < self._period else round(age / self._period)
+        ahead = 1e-9 * (start - behind * self._period - known.time)
+        moved = kinematics.move(np.array([known.pose]), np.array([twist]), ahead)
+        x, y, heading = moved[0].tolist()
+        return Fix((x, y, heading), tick - behind)

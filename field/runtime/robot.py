@@ -1,0 +1,140 @@
+"""The loop of a real robot: at each tick, from the last pose and what was heard to a beacon and a command."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+
+from fes.errors import FesError, MessageError
+from fes.protocol import messages
+from fes.protocol.robot_control import RUNNING
+from fes.protocol.robot_report import encode_robot_report
+from fes.protocol.sealed import Sealed
+from fes.recording.robot_log.recorder import RobotLog
+from field.gate.launch import GateProcess
+from field.gate.link import Command, PoseSeen, Progress
+from field.radio.socket import Radio
+from field.runtime import reports, stepper
+from field.runtime.attendance import LONGEST_GAP, Attendance
+from field.runtime.fixes import Fixes, Pose
+from field.runtime.reports import Reporter
+from field.runtime.stepper import Step, Stepper
+from field.runtime.tick_clock import TickClock
+from field.senses.senses import Senses
+from field.settings.robot_file import RobotFile
+
+STILL = (0.0, 0.0)
+
+MEMORY = 2.0
+"""Time for which a silent peer counts as in range [s]."""
+
+
+class Robot:
+    """A robot that is connected to its gate and its radio."""
+
+    def __init__(self, file: RobotFile, robot: int, boot: int, publish: Callable[[bytes], None]) -> None:
+        """`publish` puts a RobotReport; it must not wait."""
+        self.logger = logging.getLogger(f"robot.{robot}")
+        self.senses = Senses(robot, round(MEMORY / file.dt))
+        self.skipped = 0
+        """Ticks without a step, because the process was suspended."""
+        self._clock = TickClock(file.dt, time.time_ns(), time.monotonic_ns())
+        self._stepper = Stepper(file.agent_config, robot, self.senses)
+        self._fixes, self._attendance = Fixes(self._clock.period), Attendance()
+        self._reporter = Reporter(boot, file.dt, file.seeking, self.senses)
+        self._publish, self._born = publish, time.monotonic_ns()
+        self._progress: Progress | None = None
+        self._twist, self._heard_at, self._reported_at = STILL, 0, 0
+        self._unreadable = 0
+
+    def hear(self, sealed: Sealed, arrived: int) -> None:
+        """Take a datagram of a peer that arrived at a time [ns; monotonic]."""
+        try:
+            beacon = messages.decode_beacon(sealed.payload)
+        except MessageError as error:
+            if not self._unreadable:
+                self.logger.warning("a beacon of robot %d cannot be read: %s", sealed.robot, error)
+            self._unreadable += 1
+            return
+        self._heard_at = arrived
+        tick = self._clock.tick(arrived)
+        share = (arrived - self._clock.start(tick)) / self._clock.period
+        self.senses.hear(sealed, beacon, tick + share)
+
+    async def live(self, gate: GateProcess, radio: Radio, log: RobotLog | None) -> None:
+        """Step at each tick; raises Unavailable when the gate has ended.
+
+        A tick that comes late is answered late: the beacons of its peers would else count as lost. Only the command
+        of the newest tick goes to the gate.
+        """
+        tick = self._clock.tick(time.monotonic_ns()) + 1
+        while True:
+            now = time.monotonic_ns()
+            if (ahead := self._clock.start(tick) - now) > 0:
+                await asyncio.sleep(1e-9 * ahead)
+            elif -ahead > LONGEST_GAP:
+                newest = self._clock.tick(now)
+                self.skipped, tick = self.skipped + newest - tick, newest
+            gate.check()
+            self._read(gate, log)
+            step = self._step(tick)
+            if step is not None:
+                self._act(tick, step, gate, radio, log)
+            tick += 1
+            await asyncio.sleep(0)  # datagrams that have arrived are heard before the next tick
+
+    def _read(self, gate: GateProcess, log: RobotLog | None) -> None:
+        """Take the poses and the states that the gate has sent."""
+        for frame in gate.received():
+            if isinstance(frame, PoseSeen):
+                self._fixes.add(Pose(frame.received_at, frame.pose))
+                continue
+            before, self._progress = self._progress, frame
+            if before is None or (before.mode, before.reason) != (frame.mode, frame.reason):
+                self.logger.info("the gate is %s%s", frame.mode, f": {frame.reason}" * bool(frame.reason))
+                if log is not None:
+                    log.event("gate", f"{frame.mode} {frame.reason}".strip(), mode=frame.mode, reason=frame.reason)
+
+    def _step(self, tick: int) -> Step | None:
+        """The step of a tick; None while the robot does not take part."""
+        start, mode = self._clock.start(tick), "" if self._progress is None else self._progress.mode
+        fix = self._fixes.at(tick, start, self._twist if mode == RUNNING else STILL)
+        since = self._attendance.step(tick, start, mode, None if fix is None else self._fixes.age(start))
+        if since is None or fix is None:
+            self._twist = STILL
+            return None
+        return self._stepper.step(tick, fix, since)
+
+    def _act(self, tick: int, step: Step, gate: GateProcess, radio: Radio, log: RobotLog | None) -> None:
+        """Send the beacon, the command and, some times per second, a report."""
+        radio.send(step.beacon)
+        start, now = self._clock.start(tick), time.monotonic_ns()
+        self._twist = stepper.twist(step)
+        if now - start < self._clock.period:
+            gate.send(Command(tick, start, *self._twist, self._heard_at))
+        if log is not None:
+            beacons = [messages.encode_beacon(beacon) for beacon in step.heard]
+            log.tick(tick, messages.encode_observation(step.observation), beacons, step.beacon, step.command, now)
+        if now - self._reported_at >= reports.PERIOD:
+            self._reported_at = now
+            report = self._reporter.report(step, now - self._born, self._fixes.age(now), self._progress)
+            self._publish(encode_robot_report(report))
+
+
+def summary(robot: Robot, radio: Radio) -> str:
+    """The counts of a robot's run, in one line."""
+    counters = radio.counters
+    parts = [f"{counters.sent} beacons sent, {counters.heard} heard"]
+    if refused := sum(counters.refused.values()):
+        rule = max(counters.refused, key=lambda name: counters.refused[name])
+        parts.append(f"{refused} refused (most: {rule})")
+    if robot.skipped:
+        parts.append(f"{robot.skipped} ticks skipped")
+    return ", ".join(parts)
+
+
+def checked_id(file: RobotFile) -> int:
+    """The robot's id; raises FesError if the file and the flags give none."""
+    if file.id is None:
+        raise FesError("expects the id of the robot: --id I, or `id` in the file")
+    return file.id
