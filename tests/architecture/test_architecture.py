@@ -29,6 +29,7 @@ LAYERS = (
     {"fes.arithmetic"},
     {"fes.model", "fes.system"},
     {"fes.protocol", "fes.extension", "fes.settings", "fes.shapes"},
+    {"fes.protocol", "fes.extension", "fes.ros", "fes.shapes"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
     {"fes.command_line"},
