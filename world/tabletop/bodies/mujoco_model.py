@@ -14,6 +14,10 @@ from world.config.hardware.tabletop import TabletopConfig
 WHEEL_SHARE = 0.1
 """Share of a robot's mass that each wheel has [1]."""
 
+ROTOR_SHARE = 0.25
+"""Inertia of a motor's rotor, as a share of the robot's mass at the wheel's radius [1]. Without one the speed
+overshoots: the physics step is longer than the time in which a bare wheel spins up."""
+
 SERVO = 0.2
 """Torque of a motor per error of its speed, as a share of its top torque [s/rad]."""
 
@@ -41,6 +45,7 @@ def _robot(robot: int, x: float, y: float, heading: float, config: TabletopConfi
     reach = size - caster
     half_height = 0.75 * radius
     wheel_mass = WHEEL_SHARE * config.mass
+    rotor = ROTOR_SHARE * config.mass * radius**2
     body = _attributes(
         type="cylinder",
         size=(size, half_height),
@@ -57,7 +62,7 @@ def _robot(robot: int, x: float, y: float, heading: float, config: TabletopConfi
     )
     wheels = "".join(
         f"<body {_attributes(pos=(0.0, side, radius))}>"
-        f"<joint {_attributes(name=f'{name}{robot}', type='hinge', axis=(0.0, 1.0, 0.0))}/>"
+        f"<joint {_attributes(name=f'{name}{robot}', type='hinge', axis=(0.0, 1.0, 0.0), armature=rotor)}/>"
         f"<geom {_wheel(radius, wheel_mass)}/></body>"
         for name, side in (("left", half_track), ("right", -half_track))
     )

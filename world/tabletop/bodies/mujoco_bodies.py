@@ -10,7 +10,7 @@ from fes.arrays.types import Floats
 from fes.errors import FesError
 from fes.model import counts
 from world.config.hardware.tabletop import TabletopConfig
-from world.tabletop import bodies, mujoco_model
+from world.tabletop.bodies import interface, mujoco_model
 
 _POSE, _TWIST = 7, 6
 """Numbers of a free joint: position and quaternion, velocity and rate of turn."""
@@ -30,7 +30,7 @@ class MujocoBodies:
 
     def command(self, robot: int, linear: float, angular: float) -> None:
         """Let a body hold a twist from now on [m/s, rad/s; body frame], within its top speeds."""
-        speed, rate = bodies.limited(linear, angular, self._config)
+        speed, rate = interface.limited(linear, angular, self._config)
         turning = 0.5 * self._config.track * rate
         self._data.ctrl[2 * robot] = (speed - turning) / self._config.wheel_radius
         self._data.ctrl[2 * robot + 1] = (speed + turning) / self._config.wheel_radius

@@ -1,6 +1,4 @@
-"""The interface of a team of bodies on a table, and the scale between the table and the law."""
-
-from typing import Protocol
+"""The bodies of a scenario, and the scale between the table and the law."""
 
 import numpy as np
 
@@ -8,32 +6,17 @@ from fes.arrays import geometry
 from fes.arrays.types import Floats
 from world.config.hardware.tabletop import TabletopConfig
 from world.config.scenario import Scenario, initial_poses
-
-
-class Bodies(Protocol):
-    """The bodies of n robots. Their meters are those of the table."""
-
-    def command(self, robot: int, linear: float, angular: float) -> None:
-        """Let a body hold a twist from now on [m/s, rad/s; body frame], within its top speeds."""
-
-    def step(self, dt: float) -> None:
-        """Move all bodies for `dt` [s]."""
-
-    def poses(self) -> Floats:
-        """True poses [n, 3] [m, m, rad; table frame]."""
-
-    def twists(self) -> Floats:
-        """True twists [n, 2] [m/s, rad/s; body frame]."""
+from world.tabletop.bodies.interface import Bodies
 
 
 def create(scenario: Scenario, config: TabletopConfig) -> Bodies:
     """The bodies of a scenario at its initial poses; raises FesError where MuJoCo is not installed."""
     start = on_table(initial_poses(scenario), config.scale)
     if config.body == "kinematic":
-        from world.tabletop.kinematic import KinematicBodies
+        from world.tabletop.bodies.kinematic import KinematicBodies
 
         return KinematicBodies(start, config)
-    from world.tabletop.mujoco_bodies import MujocoBodies
+    from world.tabletop.bodies.mujoco_bodies import MujocoBodies
 
     return MujocoBodies(start, config)
 
@@ -60,11 +43,3 @@ def _scaled(poses: Floats, factor: float) -> Floats:
     result = np.array(poses, dtype=np.float64)
     result[:, [geometry.X, geometry.Y]] *= factor
     return result
-
-
-def limited(linear: float, angular: float, config: TabletopConfig) -> tuple[float, float]:
-    """A twist within the top speeds of a body [m/s, rad/s]."""
-    return (
-        min(max(linear, -config.linear_limit), config.linear_limit),
-        min(max(angular, -config.angular_limit), config.angular_limit),
-    )

@@ -5,7 +5,7 @@ import numpy as np
 from fes.arrays.types import Floats
 from world.config.hardware.tabletop import TabletopConfig
 from world.simulation import unicycle
-from world.tabletop import bodies
+from world.tabletop.bodies import interface
 
 
 class KinematicBodies:
@@ -18,7 +18,7 @@ class KinematicBodies:
 
     def command(self, robot: int, linear: float, angular: float) -> None:
         """Let a body hold a twist from now on [m/s, rad/s; body frame], within its top speeds."""
-        self._twists[robot] = bodies.limited(linear, angular, self._config)
+        self._twists[robot] = interface.limited(linear, angular, self._config)
 
     def step(self, dt: float) -> None:
         """Move all bodies for `dt` [s], by equation (5), exactly."""
