@@ -1,0 +1,7 @@
+"""The radio of a robot: authenticated beacons by UDP multicast, or by a relay.
+
+settings       RadioSettings: the network and the team's key.
+socket         Radio: the socket that sends and receives beacons.
+replay_window  protection from replayed datagrams: pure.
+counters       datagrams sent, heard and refused.
+"""

@@ -1,0 +1,93 @@
+"""An Observation per tick from the beacons that a robot's radio has heard.
+
+A robot of a simulated world is told which peers are in range, and which of their beacons decoded. A real robot
+derives both from its radio: a peer is in range while it has been heard within the last `memory` ticks, and a beacon
+that is not there at the step that needs it was lost. `Slots` states at which step that is. No contact is CLOSED.
+
+Robots step at times of their own. A beacon's pose is from the sender's step; the crew relates it to its own pose at
+the slot. The two differ by up to a tick, so a separation has an error of the relative velocity times this time: with
+20 ms and 2 m/s up to 4 cm, of either sign. `poses_at_reception` has the own poses without this error, for a law that
+needs them.
+"""
+
+import numpy as np
+
+from fes.arrays.types import Ints
+from fes.model.sensing import DECODED, LOST
+from fes.protocol.messages import Beacon, Observation
+from fes.protocol.sealed import Sealed
+from field.senses.own_poses import OwnPoses, Pose
+from field.senses.slots import Heard, Slots
+from field.senses.tally import Tally
+
+
+class Senses:
+    """What one robot has heard of its peers."""
+
+    def __init__(self, robot: int, memory: int) -> None:
+        """`memory` is the number of ticks for which a silent peer counts as in range."""
+        self.tallies: dict[int, Tally] = {}
+        """Counts of each peer that was ever heard."""
+        self.foreign = 0
+        """Beacons whose payload names another robot than their datagram, or this one."""
+        self._robot, self._memory = robot, memory
+        self._slots: dict[int, Slots] = {}
+        self._poses = OwnPoses()
+        self._stepped = -1
+        self._in_range: Ints = np.zeros(0, dtype=np.int64)
+        self._taken: list[Heard] = []
+
+    def hear(self, sealed: Sealed, beacon: Beacon, at: float) -> None:
+        """Hold a beacon that arrived in a datagram; `beacon` is the datagram's payload.
+
+        `at` is the time of its arrival [own ticks]: the own step of tick k is due at k.
+        """
+        peer = beacon.robot
+        if peer != sealed.robot or peer == self._robot:
+            self.foreign += 1
+            return
+        heard, known = Heard(beacon, at), self._slots.get(peer)
+        if known is None or known.boot != sealed.boot or at - known.last_heard > self._memory:
+            tally = self.tallies.setdefault(peer, Tally())
+            known = self._slots[peer] = Slots(sealed.boot, sealed.sequence, heard, tally)
+        known.hear(sealed.sequence, heard, self._stepped)
+
+    def step(self, tick: int, pose: Pose, fixed: int, since: int) -> tuple[Observation, list[Beacon]]:
+        """The observation of a tick, and the beacons of the tick before, which have its number, ordered by sender.
+
+        `pose` is the own pose at this step, `fixed` the tick at which it was measured, and `since` the tick from
+        which the robot takes part. Ticks ascend, and may skip some. Raises ValueError for one that does not ascend.
+        """
+        if tick <= self._stepped:
+            raise ValueError(f"ticks must ascend, got {tick} after {self._stepped}")
+        self._stepped = tick
+        self._poses.add(tick, pose)
+        in_range = self._peers_in_range(tick)
+        taken = [self._slots[peer].take(tick) for peer in in_range]
+        reception = np.array([LOST if heard is None else DECODED for heard in taken], dtype=np.uint8)
+        self._taken = [heard for heard in taken if heard is not None]
+        beacons = [heard.beacon._replace(tick=tick - 1) for heard in self._taken]
+        peers = self._as_array(in_range)
+        # `fixed` belongs into the observation as soon as this message has such a field: here alone
+        return Observation(tick, self._robot, pose, peers, reception, over=False, since=since), beacons
+
+    def poses_at_reception(self) -> list[Pose]:
+        """Own pose at the arrival of each beacon that the last step returned, interpolated between own steps."""
+        return [self._poses.at(heard.at) for heard in self._taken]
+
+    def _peers_in_range(self, tick: int) -> list[int]:
+        """The peers heard within memory, ascending, that have a slot before `tick`; forget the silent ones."""
+        for peer in [peer for peer, slots in self._slots.items() if tick - slots.last_heard > self._memory]:
+            del self._slots[peer]
+        return sorted(peer for peer, slots in self._slots.items() if slots.begin < tick)
+
+    def _as_array(self, in_range: list[int]) -> Ints:
+        """The peers as an array, the same one while they are the same: the crew then need not look them up."""
+        if in_range != self._in_range.tolist():
+            self._in_range = np.array(in_range, dtype=np.int64)
+        return self._in_range
+
+
+def arrival(arrived: int, epoch: int, dt: float) -> float:
+    """Time [own ticks] of an arrival [ns], if tick 0 was due at the `epoch` [ns] and a tick takes `dt` [s]."""
+    return (arrived - epoch) / (dt * 1e9)
