@@ -78,7 +78,7 @@ def main() -> int:
             times = ", ".join(f"{name} {time} s" for name, time in results["time_to"].items())
             print(
                 f"{body}, seed {seed}: {times}; rms at the end {results['separation_error_rms']:.2f} m; "
-                f"least separation {results['smallest_separation']:.1f} m; {results['real_time_factor']:.1f} x real time",
+                f"nearest two {results['smallest_separation']:.1f} m; {results['real_time_factor']:.1f} x real time",
                 flush=True,
             )
     return 0
