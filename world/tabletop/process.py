@@ -42,7 +42,8 @@ class Tabletop:
     """A team of bodies in real time."""
 
     def __init__(self, scenario: Scenario, config: TabletopConfig) -> None:
-        self._config = config
+        self.config = config
+        """The table [tabletop] of the scenario."""
         self._bodies = team.create(scenario, config)
         self._reachability = Reachability(scenario)
         self.relay: Relay[Place] = Relay(scenario.robots.number, self._reachability.at(self._full_size(), 0.0))
@@ -56,11 +57,11 @@ class Tabletop:
     @property
     def time(self) -> float:
         """Time of the bodies [s]."""
-        return self._steps * self._config.physics_step
+        return self._steps * self.config.physics_step
 
     async def main_loop(self) -> None:
         """Move the bodies in real time, until this task is cancelled."""
-        pacing = Pacing(self._config.physics_step, time.monotonic())
+        pacing = Pacing(self.config.physics_step, time.monotonic())
         while True:
             for _ in range(pacing.due(time.monotonic())):
                 self.step()
@@ -71,7 +72,7 @@ class Tabletop:
 
     def step(self) -> None:
         """One step of bodies, drivers, relay and truth."""
-        step = self._config.physics_step
+        step = self.config.physics_step
         now = time.monotonic()
         if self.drivers is not None:
             self.drivers.obey(self._bodies, now)
@@ -86,7 +87,7 @@ class Tabletop:
             print(line, file=self.truth)
 
     def _full_size(self) -> Floats:
-        return team.at_full_size(self._bodies.poses(), self._config.scale)
+        return team.at_full_size(self._bodies.poses(), self.config.scale)
 
 
 async def serve(scenario: Scenario, listen: tuple[str, ...], radio: Place, truth: Path | None) -> int:
