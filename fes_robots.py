@@ -1,4 +1,4 @@
-"""Entry points of the commands `fes`, `fes-world` and `fes-agent`.
+"""Entry points of the commands `fes`, `fes-world`, `fes-agent` and `fes-tabletop`.
 
 Other projects have packages named `fes`, `agents`, `world` or `console`. If Python found one of those first, each
 command would end in a traceback. So this module, whose name is unique, imports our packages only after two checks:
@@ -46,6 +46,11 @@ def fes_world() -> None:
 def fes_agent() -> None:
     """Entry point of fes-agent."""
     _start("fes-agent", "agents.__main__")
+
+
+def fes_tabletop() -> None:
+    """Entry point of fes-tabletop."""
+    _start("fes-tabletop", "world.tabletop.__main__")
 
 
 def _start(command: str, module: str) -> None:

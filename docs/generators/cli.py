@@ -16,6 +16,7 @@ from console import cli, guide
 from docs.generators.markdown import code, table
 from fes import command_line
 from world import process as world
+from world.tabletop import process as tabletop
 
 TITLE = "Commands"
 INTRODUCTION = """Every command, argument and flag, as `--help` prints them. [Exit codes](exit-codes.md) have a page
@@ -39,7 +40,7 @@ def page() -> list[str]:
         assert callback is not None
         lines += [f"## fes {path}", "", *_text(inspect.getdoc(callback) or ""), *_rows(_signature(callback))]
         lines += [f"Example: `{guide.EXAMPLES[path]}`", ""]
-    for parser in (_parser(world.main), _parser(agent.main)):
+    for parser in (_parser(world.main), _parser(agent.main), _parser(tabletop.main)):
         lines += [f"## {parser.prog}", "", *_text(parser.description or ""), *_rows(_arguments(parser))]
         lines += [f"Example: `{(parser.epilog or '').removeprefix('example: ')}`", ""]
     return lines

@@ -48,3 +48,8 @@ def declare_subscriber(bus: Bus, key: str, handler: RawHandler, *, remote_only: 
     origin = zenoh.Locality.REMOTE if remote_only else zenoh.Locality.ANY
     callback = zenoh.handlers.Callback(on_sample, indirect=False)
     bus.hold(bus.session.declare_subscriber(key, callback, allowed_origin=origin))
+
+
+def session_id(bus: Bus) -> str:
+    """The id of a session, in hexadecimal, as the liveliness tokens of other programs have it."""
+    return str(bus.session.zid())

@@ -38,7 +38,7 @@ LAYERS = (
     {"agents.core"},
     {"agents.runtime", "field.radio", "field.senses", "world.metrics"},
     {"agents.process", "world.execution"},
-    {"agents.__main__", "world.flags", "world.server"},
+    {"agents.__main__", "world.flags", "world.server", "world.tabletop"},
     {"world.process"},
     {"world.__main__", "console.guide", "console.schema", "console.terminal"},
     {"console.keys"},
@@ -56,7 +56,9 @@ layers above by its dotted path, only where it is used."""
 LAWS = {"fes.arithmetic", "fes.arrays", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
 LAWS_OF_AGENTS = ("agents.configuration.", "agents.laws.", "agents.rivals.")
-SHELLS = ("agents.runtime", "agents.process", "field.radio", "world.server", "world.process")
+SHELLS = (
+    "agents.runtime", "agents.process", "field.radio", "world.server", "world.process", "world.tabletop",
+)  # fmt: skip
 """The only packages of an agent or a world that import asyncio, or the transport."""
 INTERFACE = "fes/extension"
 """The only package whose `__init__` has more than a docstring: others import names from it."""

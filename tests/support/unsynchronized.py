@@ -121,4 +121,7 @@ class Team:
         """Bring all bodies to the present."""
         passed = (now - self._moved)[:, None]
         # a unit of time in which a body covers what it covers in the time that has passed
-        self.poses, self._moved = unicycle.move(self.poses, passed * self._twists, 1.0), np.full_like(self._moved, now)
+        self.poses, self._moved = (
+            unicycle.move(self.poses, passed * self._twists, 1.0),
+            np.full_like(self._moved, now),
+        )

@@ -62,7 +62,7 @@ def test_each_command_has_an_example_that_can_be_typed(path: str, tmp_path: Path
     result.make_context(path, words[len(path.split()) :])  # raises for an unknown option or argument
 
 
-@pytest.mark.parametrize("program", ["fes-world", "fes-agent"])
+@pytest.mark.parametrize("program", ["fes-world", "fes-agent", "fes-tabletop"])
 def test_each_service_has_an_example(program: str, tmp_path: Path) -> None:
     assert f"example: {program} " in call(tmp_path, program, "--help").stdout
 
@@ -73,6 +73,7 @@ CHOICES = {
     "fes claims": [", ".join(CLAIMS)],
     "fes-world": ["{router,client,peer}", "max|X"],
     "fes-agent": ["{router,client,peer}"],
+    "fes-tabletop": ["{kinematic,mujoco}"],
 }
 """Choices in the help, by command."""
 

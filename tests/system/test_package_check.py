@@ -19,7 +19,10 @@ from tests.support.commands import call, complaint, with_path
 from tests.support.paths import CONFIGS, ROOT
 from tests.support.source import imports
 
-COMMANDS = {"fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"]}
+COMMANDS = {
+    "fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"],
+    "fes-tabletop": ["tabletop"],
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("package", distribution.PACKAGES)

@@ -8,6 +8,7 @@ faults        tables [event.transmitter] and [event.clock] of an event: faulty t
 events        its tables [[event]]: changes during the run
 expectations  its tables [[expect]]: expectations of the summary
 schema        its fields: type, range, default, unit and description; the JSON schema
+hardware      its table [tabletop]: a team of small robots on a table
 outside       the code of its extensions, the file of its trace, and named variants
 overrides     overrides of its fields by --set
 remarks       parts of a scenario that do not run as written

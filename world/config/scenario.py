@@ -21,6 +21,7 @@ from world.config import events, expectations, faults, starts
 from world.config.events import EventConfig, ParticipationChange, changed, schedule
 from world.config.expectations import ExpectConfig, MetricConfig
 from world.config.faults import Transmission
+from world.config.hardware.tabletop import TabletopConfig
 from world.config.outside import schemes, trace_file
 from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
@@ -64,6 +65,8 @@ class Scenario(Table):
     """The seeking law."""
     formation: FormationConfig = FormationConfig()
     """The formation law and its graph."""
+    tabletop: TabletopConfig | None = None
+    """A team of small robots on a table; only fes-tabletop reads it."""
     metric: list[MetricConfig] = Field(default=[])
     """Further metrics of the summary."""
     event: list[EventConfig] = Field(default=[])

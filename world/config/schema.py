@@ -20,7 +20,7 @@ from fes.settings.validation import tables_within
 from world.config.outside.schemes import Comparison
 from world.config.scenario import Scenario
 
-_UNITS = "1|m|s|rad|dB|m/s|rad/s|1/s|rad/s/m|bit/s/Hz|ticks"
+_UNITS = "1|m|s|rad|kg|N m|dB|m/s|rad/s|1/s|rad/s/m|bit/s/Hz|ticks"
 _UNIT = re.compile(rf" ?\[((?:{_UNITS})(?:, (?:{_UNITS}))*)(?:; ([^\]]+))?\]")
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
