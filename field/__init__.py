@@ -1,1 +1,4 @@
-"""A robot in the real world: its body, its gate, its radio and its senses instead of a simulated world."""
+"""A robot in the real world: its body, its gate, its radio and its senses instead of a simulated world.
+
+gate  the process between the agent and the wheels
+"""
