@@ -6,6 +6,7 @@ shapes        shapes of a team, and routes over relays
 model         settings, sensing, contacts, the objective and the outage formula
 extension     the public interface for extensions: laws, channels, dynamics, metrics
 protocol      key expressions, messages and their encoding
+ros           bytes and keys of ROS 2, for the drivers of real robots
 transport     a Zenoh session, and the way of its samples to asyncio
 recording     the log of a run: format, writer and reader
 system        files, signals, output and memory of the machine

@@ -28,7 +28,7 @@ LAYERS = (
     {"fes.errors", "fes.arrays"},
     {"fes.arithmetic"},
     {"fes.model", "fes.system"},
-    {"fes.protocol", "fes.extension", "fes.shapes"},
+    {"fes.protocol", "fes.extension", "fes.ros", "fes.shapes"},
     {"fes.transport", "fes.recording"},
     {"fes.process"},
     {"fes.command_line"},
