@@ -9,4 +9,5 @@ process   the process fes-robot
 __main__  entry point of fes-robot
 radio   authenticated beacons by UDP.
 senses  an Observation per tick from the beacons heard.
+gate  the process between the agent and the wheels
 """

@@ -1,0 +1,240 @@
+"""The gate between the agent's commands and the wheels: events and the time come in, a bounded twist goes out.
+
+The robot moves only while nothing holds or stops it. A hold lasts as long as its cause; a stop is latched, until a
+person starts the robot again.
+
+| cause                                                               | effect  |
+|---------------------------------------------------------------------|---------|
+| not started yet, or stopped by the operator                         | stopped |
+| the operator's permit has lapsed                                    | stopped |
+| the pose is outside the fence                                       | stopped |
+| a pose of a wrong frame, or a payload of a wrong type               | stopped |
+| the pose jumps further than the body can move                       | stopped |
+| another program commands the body                                   | stopped |
+| the pose does not move as commanded (`motion`)                      | stopped |
+| the agent has ended, or the gate itself is told to end              | stopped |
+| no fresh pose: none arrives, or its stamp stands still or goes back | held    |
+| the gate's own loop was late                                        | held    |
+| no beacon of a peer for a set time                                  | held    |
+| no fresh command: the agent hangs, or its last one is too old       | held    |
+
+Three rules keep stale commands away from the wheels. A command counts only if it is newer than the last one, and
+young. It must be computed after the last moment at which a cause other than its own absence held or stopped the
+robot. And the last good one counts only until its timeout.
+
+Whatever stops the robot, it slows down with its largest acceleration a. So after any event it travels at most
+v²/2a + v (timeout + 2 period). Everything here is in the body's units, except poses: they are in the team frame.
+"""
+
+import math
+from typing import NamedTuple
+
+from fes.protocol.robot_control import HELD, RUNNING, STOPPED, GateStatus, Permit
+from fes.ros.messages import PoseMessage
+from field.gate import frames, motion, pose_guard
+from field.gate.frames import Twist
+from field.gate.motion import Motion
+from field.gate.pose_guard import Seen
+from field.gate.settings import Settings
+
+ZERO = (0.0, 0.0)
+
+RIVAL = 1.0
+"""Time after the last command of another program from which on the robot can start [s]."""
+
+MAX_OPERATORS = 256
+"""Operators whose permits are told apart; permits of further ones are refused."""
+
+
+class Order(NamedTuple):
+    """A command of the agent, in the law's units."""
+
+    sequence: int
+    computed_at: float
+    """Time at which its computation ended [s]."""
+    linear: float
+    angular: float
+    heard_at: float
+    """Time at which the robot heard a peer last [s]; -inf before the first."""
+
+
+class Gate(NamedTuple):
+    """The state of a gate."""
+
+    twist: Twist = ZERO
+    """The twist that goes to the body now."""
+    told: Twist = ZERO
+    """The last good command, clipped."""
+    at: float = -math.inf
+    """Time at which it was computed [s]."""
+    sequence: int = -1
+    since: float = -math.inf
+    """Only commands that are computed after this time count [s]."""
+    latch: str = "not started"
+    """Why it is stopped; empty if it is not."""
+    hold: str = ""
+    """Why it commands zero at present; empty if it does not."""
+    is_started: bool = False
+    """True from the first start on: before it, nothing is published."""
+    updated: float = -math.inf
+    """Time of the last twist [s]."""
+    seen: Seen | None = None
+    problem: str = ""
+    """Why the last pose is not usable; empty if it is."""
+    heard_at: float = -math.inf
+    rival_at: float = -math.inf
+    permit_at: float = -math.inf
+    operator: int = -1
+    permits: dict[int, int] = {}  # noqa: RUF012 - replaced, never changed
+    """The highest Permit of each operator."""
+    motion: Motion = Motion()
+    accepted: int = 0
+    refused: int = 0
+
+
+def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
+    """The gate after a command of the agent has arrived at `now` [s]."""
+    if gate.heard_at < order.heard_at <= now:
+        gate = gate._replace(heard_at=order.heard_at)
+    linear, angular = frames.to_body_twist(settings.placement, order.linear, order.angular)
+    is_young = gate.since < order.computed_at and 0 <= now - order.computed_at <= settings.timing.age
+    if order.sequence <= gate.sequence or not is_young or not (math.isfinite(linear) and math.isfinite(angular)):
+        return gate._replace(refused=gate.refused + 1)
+    if gate.latch:
+        return gate
+    told = _clipped(linear, settings.limits.linear), _clipped(angular, settings.limits.angular)
+    return gate._replace(told=told, at=order.computed_at, sequence=order.sequence, accepted=gate.accepted + 1)
+
+
+def permitted(gate: Gate, settings: Settings, now: float, permit: Permit) -> Gate:
+    """The gate after a Permit has arrived at `now` [s].
+
+    Permits of one operator count at a time, and each only once. Another one's count when those have lapsed.
+    """
+    last = gate.permits.get(permit.operator, -1)
+    is_new = permit.operator in gate.permits or len(gate.permits) < MAX_OPERATORS
+    is_other = permit.operator != gate.operator and _has_permit(gate, settings, now)
+    if permit.sequence <= last or not is_new or is_other:
+        return gate
+    permits = {**gate.permits, permit.operator: permit.sequence}
+    return gate._replace(permit_at=now, operator=permit.operator, permits=permits)
+
+
+def stopped(gate: Gate, reason: str) -> Gate:
+    """The gate after a stop; the first reason stays."""
+    return gate if gate.latch and gate.is_started else gate._replace(latch=reason, hold="", told=ZERO, at=-math.inf)
+
+
+def posed(gate: Gate, settings: Settings, now: float, message: PoseMessage) -> Gate:
+    """The gate after a pose of the body has arrived at `now` [s]."""
+    if problem := pose_guard.frame_problem(settings, message.frame):
+        return faulted(gate, problem)
+    seen = pose_guard.seen(settings, now, message)
+    is_latched = gate.latch != ""
+    if pose_guard.is_stale(gate.seen, seen, is_latched=is_latched):
+        return gate
+    problem = pose_guard.problem(settings, gate.seen, seen, is_latched=is_latched)
+    gate = gate._replace(seen=seen, problem=problem)
+    return faulted(gate, problem) if problem else gate
+
+
+def faulted(gate: Gate, problem: str) -> Gate:
+    """The gate after a pose that cannot be right: it stops a robot that runs, and prevents the start of another."""
+    gate = gate._replace(problem=problem)
+    return gate if gate.latch else stopped(gate, problem)
+
+
+def rivaled(gate: Gate, now: float, key: str) -> Gate:
+    """The gate after another program has commanded the body on `key`."""
+    gate = gate._replace(rival_at=now)
+    return gate if gate.latch else stopped(gate, f"another program commands the body on {key}")
+
+
+def started(gate: Gate, settings: Settings, now: float) -> tuple[Gate, str]:
+    """The gate after a start, and why it is refused; empty if it is not. A robot that runs stays as it is."""
+    if not gate.latch:
+        return gate, ""
+    if not _has_permit(gate, settings, now):
+        return gate, "the operator's permit is missing"
+    if gate.problem:
+        return gate, gate.problem
+    if gate.seen is None or not _has_pose(gate, settings, now):
+        return gate, "no fresh pose arrives from the body"
+    if now - gate.rival_at <= RIVAL:
+        return gate, "another program commands the body"
+    fresh = gate._replace(latch="", hold="", since=now, told=ZERO, at=-math.inf, is_started=True, motion=Motion())
+    return fresh, ""
+
+
+def updated(gate: Gate, settings: Settings, now: float, late: float) -> Gate:
+    """The gate with the twist to send at `now` [s]; its loop is `late` [s]."""
+    timing, limits = settings.timing, settings.limits
+    if not gate.latch and not _has_permit(gate, settings, now):
+        gate = stopped(gate, "the operator's permit has lapsed")
+    hold = "" if gate.latch else _cause(gate, settings, now, late)
+    if gate.latch or hold:
+        gate = gate._replace(told=ZERO, at=-math.inf, since=now)
+    elif not now - gate.at <= timing.timeout:
+        hold = f"no command of the agent for {timing.timeout:g} s"
+    told = ZERO if gate.latch or hold else gate.told
+    dt = max(0.0, min(now - gate.updated, timing.period + timing.lateness))
+    twist = (
+        _approached(gate.twist[0], told[0], limits.acceleration * dt),
+        _approached(gate.twist[1], told[1], limits.angular_acceleration * dt),
+    )
+    return _checked(gate._replace(hold=hold, updated=now), settings, now)._replace(twist=twist)
+
+
+def status(gate: Gate, settings: Settings, now: float) -> GateStatus:
+    """The state in the words of an operator, at full size."""
+    seen = gate.seen
+    return GateStatus(
+        settings.robot,
+        STOPPED if gate.latch else HELD if gate.hold else RUNNING,
+        gate.latch or gate.hold,
+        (0.0, 0.0, 0.0) if seen is None else seen.pose,
+        -1.0 if seen is None else max(0.0, now - seen.received_at),
+        frames.to_team_twist(settings.placement, *gate.twist),
+        gate.accepted,
+        gate.refused,
+    )
+
+
+def _cause(gate: Gate, settings: Settings, now: float, late: float) -> str:
+    """The reason to hold the robot, other than an absent command; empty without any."""
+    timing = settings.timing
+    if late > timing.lateness:
+        return f"the gate's own loop is late by {1000 * late:.0f} ms"
+    if not _has_pose(gate, settings, now):
+        return f"no fresh pose for {timing.pose_age:g} s"
+    if timing.silence is not None and not now - gate.heard_at <= timing.silence:
+        return f"no robot is heard for {timing.silence:g} s"
+    return ""
+
+
+def _checked(gate: Gate, settings: Settings, now: float) -> Gate:
+    """The gate after the check of the body's motion under the twist that went out until `now` [s]."""
+    window, scale = settings.timing.motion_check, settings.placement.scale
+    if gate.latch or gate.seen is None or window is None:
+        return gate
+    x, y, heading = gate.seen.pose
+    moved = motion.updated(gate.motion, window, now, gate.twist, (x / scale, y / scale, heading))
+    problem = motion.problem(moved, window, settings.limits)
+    gate = gate._replace(motion=moved)
+    return stopped(gate, problem) if problem else gate
+
+
+def _has_permit(gate: Gate, settings: Settings, now: float) -> bool:
+    return now - gate.permit_at <= settings.timing.permit
+
+
+def _has_pose(gate: Gate, settings: Settings, now: float) -> bool:
+    return gate.seen is not None and now - gate.seen.received_at <= settings.timing.pose_age
+
+
+def _clipped(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
+
+
+def _approached(value: float, wanted: float, step: float) -> float:
+    return max(value - step, min(value + step, wanted))

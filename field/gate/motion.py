@@ -1,0 +1,105 @@
+"""A check that the pose moves as commanded: it detects a wrong unit, a reversed frame and a body that ignores commands.
+
+Travel along the heading and turn are compared with the integrals of the commands, in parts of the window. The factor
+between them is a least-squares slope: 1 for a perfect body, 0 for one that does not move, -1 for a reversed axis. Real
+bodies slip, saturate and lag, so that a factor from 1/3 to 3 at any lag up to 0.3 s passes.
+"""
+
+import math
+from typing import NamedTuple
+
+from field.gate.frames import Pose, Twist, wrapped
+from field.gate.settings import Limits
+
+SPACING = 0.05
+"""Duration of one sample [s]."""
+
+LAGS = 7
+"""Lags that are tried, 0 to 0.3 s in steps of one sample."""
+
+PARTS = 4
+"""Parts of the window that are compared."""
+
+WALKING = 0.25
+"""Mean speed from which on a window is judged, relative to the limit: noise of the pose is small beside it."""
+
+LARGEST_FACTOR = 3.0
+
+
+class Sample(NamedTuple):
+    """Sums over one sample: what was commanded, and what the pose did [m of the body, rad]."""
+
+    commanded_travel: float = 0.0
+    commanded_turn: float = 0.0
+    travel: float = 0.0
+    turn: float = 0.0
+
+
+class Motion(NamedTuple):
+    """The samples of the last window."""
+
+    samples: tuple[Sample, ...] = ()
+    current: Sample = Sample()
+    """The sample that is being summed up."""
+    begun: float = -math.inf
+    """Time at which it began [s]."""
+    updated: float = -math.inf
+    """Time of the last update [s]."""
+    pose: Pose | None = None
+    """The pose at the last update [m of the body]."""
+
+
+def updated(motion: Motion, window: float, now: float, twist: Twist, pose: Pose) -> Motion:
+    """The motion after an update at `now` [s]: the body was commanded `twist` since the last one, and is at `pose`."""
+    if motion.pose is None:
+        return Motion(begun=now, updated=now, pose=pose)
+    x, y, heading = motion.pose
+    turn = wrapped(pose[2] - heading)
+    middle = heading + turn / 2
+    dt = now - motion.updated
+    sums = motion.current
+    current = Sample(
+        sums.commanded_travel + twist[0] * dt,
+        sums.commanded_turn + twist[1] * dt,
+        sums.travel + (pose[0] - x) * math.cos(middle) + (pose[1] - y) * math.sin(middle),
+        sums.turn + turn,
+    )
+    if now - motion.begun < SPACING:
+        return motion._replace(current=current, updated=now, pose=pose)
+    samples = (*motion.samples, current)[-(_length(window) + LAGS - 1) :]
+    return Motion(samples, Sample(), now, now, pose)
+
+
+def problem(motion: Motion, window: float, limits: Limits) -> str:
+    """The reason why the pose does not move as commanded, in one line; empty if it does, or was hardly commanded."""
+    length = _length(window)
+    if len(motion.samples) < length + LAGS - 1:
+        return ""
+    columns = list(zip(*motion.samples, strict=True))
+    for name, limit, commanded, measured in (
+        ("travels", limits.linear, columns[0], columns[2]),
+        ("turns", limits.angular, columns[1], columns[3]),
+    ):
+        parts = _parts(measured, length, 0)
+        factors = []
+        for lag in range(LAGS):
+            wanted = _parts(commanded, length, lag)
+            if sum(map(abs, wanted)) < WALKING * limit * window:
+                break  # a lag at which the body was hardly commanded proves nothing
+            products = sum(first * second for first, second in zip(wanted, parts, strict=True))
+            factors.append(products / sum(first * first for first in wanted))
+        if len(factors) == LAGS and not any(1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR for factor in factors):
+            return f"the pose {name} {factors[0]:.2g} times as far as commanded within {window:g} s"
+    return ""
+
+
+def _length(window: float) -> int:
+    """Samples in a window, the same number in each of its parts."""
+    return PARTS * max(1, round(window / SPACING / PARTS))
+
+
+def _parts(values: tuple[float, ...], length: int, lag: int) -> list[float]:
+    """Sums of the parts of the window that ended `lag` samples ago."""
+    end = len(values) - lag
+    size = length // PARTS
+    return [sum(values[first : first + size]) for first in range(end - length, end, size)]

@@ -1,0 +1,74 @@
+"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows that it is up."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+
+from fes.errors import FesError, MessageError, Rejected
+from fes.protocol import keys
+from fes.protocol.robot_control import GateStatus, Permit, decode_permit, encode_gate_status
+from fes.transport.bus import Bus, Query
+from field.gate.driver import Arrivals
+
+TRIES, PAUSE, PATIENCE = 12, 0.25, 2.0
+"""Tries, 0.25 s apart, to be the only gate: the token of one whose link was cut stays for a lease of 2 s."""
+
+SCHEMA = "fes.GateStatus"
+
+Control = Callable[[], GateStatus]
+"""Answers a query with the state afterwards; raises FesError to reject it."""
+
+
+class Operator:
+    """The keys of one robot's gate."""
+
+    def __init__(self, bus: Bus, run: str, robot: int, wake: Callable[[], None]) -> None:
+        self._bus = bus
+        self._run = run
+        self._robot = robot
+        self._logger = logging.getLogger(f"gate.{robot}")
+        self._permits = Arrivals(asyncio.get_running_loop(), wake)
+        self._has_complained = False
+
+    async def claim(self) -> None:
+        """Check that no other gate of this robot is alive; raises Rejected or Unavailable."""
+        key = keys.gate_alive(self._run, self._robot)
+        for _ in range(TRIES):
+            if not await self._bus.liveliness_get(key, PATIENCE):
+                return
+            await asyncio.sleep(PAUSE)
+        raise Rejected(f"a robot has one gate, and that of robot {self._robot} in run '{self._run}' is alive already")
+
+    def serve(self, start: Control, stop: Control, status: Control) -> None:
+        """Take permits and answer queries from now on."""
+        run, robot = self._run, self._robot
+        self._bus.hold(self._bus.declare_subscriber(keys.permit(run), self._permits.put))
+        for key, control in (
+            (keys.gate_start(run, robot), start),
+            (keys.gate_stop(run, robot), stop),
+            (keys.gate_status(run, robot), status),
+        ):
+            self._bus.declare_queryable(key, _answering(control))
+        self._bus.declare_token(keys.gate_alive(run, robot))  # last: it promises that all the others are declared
+
+    def permits(self) -> list[tuple[int, Permit]]:
+        """The Permits that have arrived since the last call, each with its time [ns]."""
+        permits = []
+        for received_at, _, payload in self._permits.take():
+            try:
+                permits.append((received_at, decode_permit(payload)))
+            except MessageError as error:
+                if not self._has_complained:
+                    self._logger.warning("a permit is refused: %s", error)
+                self._has_complained = True
+        return permits
+
+
+def _answering(control: Control) -> Callable[[Query], None]:
+    def answer(query: Query) -> None:
+        try:
+            query.reply(encode_gate_status(control()), SCHEMA)
+        except FesError as error:
+            query.reply_err(str(error))
+
+    return answer
