@@ -1,4 +1,4 @@
-"""RobotReport: one real robot to observers, several times per second. It holds the robot's belief, as there is no truth.
+"""RobotReport: one real robot to observers, several times per second. It holds the robot's belief, not the truth.
 
 No robot subscribes to it. A decoder raises MessageError, and nothing else, on any bytes.
 """

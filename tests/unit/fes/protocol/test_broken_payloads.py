@@ -105,6 +105,16 @@ def test_a_broken_field_is_rejected_with_its_rule(name: str, at: int, value: Any
     assert rule in message
 
 
+def test_only_a_report_without_an_end_holds_robots_whose_pose_is_unknown() -> None:
+    fields = [*PLAIN["Report"][:3], 0, *PLAIN["Report"][4:]]
+    fields[6] = float64(1, 2, 3, math.nan, math.nan, math.nan)
+    decoded = CODECS["Report"].decode(msgpack.packb(fields))
+    assert decoded.is_of_robots
+    assert [math.isnan(x) for x in decoded.poses[:, 0]] == [False, True]
+    fields[3] = 9
+    assert "finite" in str(refusal("Report", msgpack.packb(fields)))
+
+
 @pytest.mark.parametrize("name", PLAIN)
 def test_a_missing_or_an_additional_field_is_rejected(name: str) -> None:
     most = [*PLAIN[name], TEAM] if name == "Report" else PLAIN[name]
