@@ -14,6 +14,7 @@ analysis   fes plot and fes claims: figures and studies
 check      fes check: a check that an extension keeps the rules
 doctor     fes doctor: checks of this machine and of a running run
 keys       fes keys: certificates
+team       fes team: real robots watched, started and stopped
 schema     fes schema: the JSON schema of a scenario
 __main__   entry point of fes
 """

@@ -17,7 +17,7 @@ from console.backends import announcement, inprocess, processes, view
 from console.backends.processes import Launch
 from console.check.command import check
 from console.connect import options, run_directory, set_command
-from console.connect.run_directory import Client
+from console.dashboard import command as dashboard_command
 from console.dashboard import live, summary
 from console.doctor.command import doctor
 from console.fit import command as fit_command
@@ -25,15 +25,13 @@ from console.keys import command as keys_command
 from console.replay import command as replay_command
 from console.replay import compare
 from console.sweep import command
+from console.team import command as team_command
 from console.terminal import printing, progress
 from fes import command_line, process
 from fes.errors import FesError, ScenarioError, no_memory, reason
-from fes.protocol import keys
 from fes.protocol.world_info import version
 from fes.recording.layout import NAME
 from fes.system import encoding, output, signals, strict_json
-from fes.transport import bus
-from fes.transport.identity import OBSERVER
 from world.config import builtin, expectations
 from world.config.scenario import Scenario, load, parse_override
 from world.execution.recorder import Recorder
@@ -53,6 +51,7 @@ app = typer.Typer(
     epilog=guide.OVERVIEW,
 )
 
+guide.command(app, "view")(dashboard_command.view)
 guide.command(app, "set")(set_command.set_command)
 guide.command(app, "replay")(replay_command.replay)
 guide.command(app, "compare")(compare.compare)
@@ -63,7 +62,8 @@ guide.command(app, "schema")(schema.schema)
 guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)
 guide.command(app, "claims")(analysis_command.show_claims)
-app.add_typer(keys_command.app, name="keys", epilog=f"\b\nExample: {guide.EXAMPLES['keys']}")
+for name, group in (("keys", keys_command.app), ("team", team_command.app)):
+    app.add_typer(group, name=name, epilog=f"\b\nExample: {guide.EXAMPLES[name]}")
 
 
 class Backend(StrEnum):
@@ -159,36 +159,6 @@ def run(
                 printing.show(screen, summary.render(result, verbose))
                 printing.line(f"run directory: {directory.path}")
     return process.UNMET if expectations.unmet(result) else process.SUCCESS
-
-
-@guide.command(app, "view")
-def view_command(
-    connect: options.Connect = None,
-    config: options.Config = None,
-    cfg: options.Cfg = None,
-    certificates: options.ObserverKeys = None,
-    run: options.Run = keys.DEFAULT_RUN,
-    picture: Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")] = None,
-    timeout: Annotated[
-        float, typer.Option(min=1e-3, max=command_line.YEAR, help="Longest wait for the world [s].")
-    ] = 30.0,
-) -> int:
-    """Show the dashboard of a running run (by default the latest one started in this folder)."""
-    client = Client(OBSERVER, certificates, run, timeout)
-    endpoints = run_directory.endpoints(client, connect, config, cfg)
-    screen = printing.console()
-
-    async def show() -> int:
-        async with bus.opened(endpoints) as session:
-            with live.Screen(screen) as frames:
-                try:
-                    await live.watch(session, run, timeout, frames)
-                finally:
-                    if picture is not None:
-                        live.save_picture(picture, frames.frame(), screen.width, screen.height, "fes view")
-        return process.SUCCESS
-
-    process.leave("fes", show)
 
 
 def main() -> None:

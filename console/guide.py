@@ -25,6 +25,12 @@ EXAMPLES = {
     "keys issue": "fes keys issue robot-3 --keys keys",
     "keys list": "fes keys list --keys keys",
     "keys rules": "fes keys rules --robots 2 > router.json5",
+    "team": "fes team status",
+    "team status": "fes team status",
+    "team start": "fes team start --robots 0-2",
+    "team stop": "fes team stop",
+    "team permit": "fes team permit --for 60",
+    "team view": "fes team view --record runs/field-1",
     "claims": "fes claims weights",
 }
 """Examples by command, in the order of the help."""

@@ -39,6 +39,10 @@ class ReportHistory:
         self.latest: Report | None = None
         self.silence = 0.0
         """Time since the last sign of life of a running run [s; wall clock]."""
+        self.modes = ""
+        """The modes of the gates of real robots, in words."""
+        self.expected = "the world"
+        """The program or the robots whose first report is awaited."""
         self._clear()
 
     def add(self, report: Report) -> None:
@@ -49,7 +53,7 @@ class ReportHistory:
         while report.tick // self.stride >= CAPACITY:
             self._coarsen()
         index = report.tick // self.stride
-        values = np.array([getattr(report, field) for field in SERIES])
+        values = panels.series(report)
         self._worst[:, index] = np.fmax(self._worst[:, index], np.where(np.isfinite(values), values, np.nan))
         self._seen[index] = True
         changed = report.changed_at / report.dt if report.dt > 0.0 else 0.0
@@ -103,7 +107,7 @@ def render(history: ReportHistory, width: int, height: int) -> RenderableType:
     """One frame of exactly `width` x `height` cells."""
     width, height = max(1, width), max(1, height)
     if history.latest is None:
-        frame = _waiting(width, height)
+        frame = _waiting(history.expected, width, height)
     elif width >= _TWO_COLUMNS:
         frame = _wide(history, history.latest, width, height)
     else:
@@ -111,8 +115,8 @@ def render(history: ReportHistory, width: int, height: int) -> RenderableType:
     return SegmentLines(_shape(frame, width, height), new_lines=True)
 
 
-def _waiting(width: int, height: int) -> list[Line]:
-    text = "waiting for the world"
+def _waiting(expected: str, width: int, height: int) -> list[Line]:
+    text = f"waiting for {expected}"
     blank: list[Line] = [[] for _ in range((height - 1) // 2)]
     return [*blank, [styled(" " * ((width - len(text)) // 2) + text, "dim")]]
 
@@ -122,23 +126,23 @@ def _wide(history: ReportHistory, report: Report, width: int, height: int) -> li
     most = max(_SIDE[1], links_panel.full_width(report))
     side = max(min(links_panel.needed_width(report), _SIDE[0]), min(int(0.43 * width), most))
     left, body = width - side - _GAP, height - 2
-    map_lines = [title("Map", legend(left - 6), left), *team_map(report, left, body - 1)]
+    map_lines = [title("Map", legend(report, left - 6), left), *team_map(report, left, body - 1)]
     panel_lines = _column(history, report, side, body, may_grow=True)
     rows = zip(_shape(map_lines, left, body), _shape(panel_lines, side, body), strict=True)
     return [
-        *header(report, width, history.silence),
+        *header(report, width, history.silence, history.modes),
         *([*map_row, styled(" " * _GAP), *panel_row] for map_row, panel_row in rows),
     ]
 
 
 def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
-    lines, body = header(report, width, history.silence), height - 2
+    lines, body = header(report, width, history.silence, history.modes), height - 2
     chart = 1 + reception_panel.BESIDES + _CHART[0] if reception_panel.is_measured(report) else 0
     spare = body - 4 - chart - 3 - (2 + len(report.a))  # lines that the other panels at full height leave free
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
-        lines += [title("Map", legend(width - 6), width), *team_map(report, width, tall - 1)]
+        lines += [title("Map", legend(report, width - 6), width), *team_map(report, width, tall - 1)]
     return lines + _column(history, report, width, body - tall, may_grow=False)
 
 
@@ -153,7 +157,8 @@ def _column(history: ReportHistory, report: Report, width: int, height: int, may
     connectivity = panels.connectivity(report)
     connectivity_height = 1 + len(connectivity) if height >= 10 + len(connectivity) else 0
     table = 2 + max(1, len(report.a)) if height >= 8 else 0
-    is_due = bool(reception) or report.changed_at > 0.0 or height - connectivity_height - table >= 2 + len(SERIES)
+    is_asked = bool(reception) or report.changed_at > 0.0 or report.is_of_robots
+    is_due = is_asked or height - connectivity_height - table >= 2 + len(SERIES)
     tracking = [panels.tracking(report, width)] if is_due and height >= 12 else []
     left = height - connectivity_height - min(table, (height - connectivity_height) // 2 + 1)
     rows = max(1, min(_MAX_BARS, (left - 1 - len(tracking)) // len(SERIES) - 1)) if may_grow else 1
@@ -185,7 +190,7 @@ def _reception(report: Report, width: int, height: int) -> list[Line]:
         return []
     chart = min(max(height // 5, _CHART[0]), _CHART[1])
     return [
-        title("Reception", reception_panel.LEGEND, width),
+        title("Reception", reception_panel.legend(report), width),
         *reception_panel.panel(report, width, chart + reception_panel.BESIDES),
     ]
 

@@ -5,21 +5,53 @@ from collections.abc import Sequence
 import numpy as np
 from rich.cells import cell_len
 
-from console.dashboard import team_panel
+from console.dashboard import belief, team_panel
 from console.dashboard.canvas import Line
-from console.terminal.formatting import count, number, styled
+from console.terminal.formatting import count, length, number, styled
 from fes.protocol.report import Report
 from fes.system.output import printable
 
 _GAP = 3
 
+Facts = list[tuple[str, str, str]]
+"""Label, value and style of each fact."""
+
 SILENCE = 1.0
 """Time without a Report [s] after which the world counts as stopped, and its pace is not shown."""
 
 
-def header(report: Report, width: int, silence: float = 0.0) -> list[Line]:
-    """The two lines, `silence` [s] after the last sign of life of the world."""
+def header(report: Report, width: int, silence: float = 0.0, modes: str = "") -> list[Line]:
+    """The two lines, `silence` [s] after the last sign of life of the world; `modes` are those of real robots."""
+    if report.is_of_robots:
+        return [_time(report, width), _fitting(_facts_of_robots(report, modes, silence), width)]
     return [_progress(report, width), _facts(report, width, silence)]
+
+
+def _time(report: Report, width: int) -> Line:
+    name, time = printable(report.scenario), f"time {number(report.elapsed, ',.1f')} s"
+    rule = "─" * max(0, width - cell_len(name) - len(time) - 2)
+    return [styled(name, "bold"), styled(f" {rule} ", "dim"), styled(time)]
+
+
+def _facts_of_robots(report: Report, modes: str, silence: float) -> list[Facts]:
+    """The facts about real robots, in their long form and in shorter ones."""
+    sent, decoded = report.beacons_sent, report.beacons_decoded
+    alive = _living(report)
+    estimate = ("mean estimate", length(belief.mean_estimate(report)), "")
+    gates = ("gates", modes, "" if "stopped" not in modes and "held" not in modes else "yellow")
+    if silence >= SILENCE:
+        gates = ("silent for", f"{silence:,.0f} s", "bold red")
+    ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
+    beacons = ("beacons decoded/sent", f"{decoded:,}/{sent:,}, {ratio}", "")
+    short = ("decoded", f"{count(decoded)}/{count(sent)}", "")
+    long_alive, short_alive = ("robots alive", *alive), ("alive", *alive)
+    return [
+        [long_alive, gates, estimate, beacons],
+        [long_alive, gates, estimate, short],
+        [short_alive, gates, estimate],
+        [short_alive, gates],
+        [short_alive],
+    ]
 
 
 def _progress(report: Report, width: int) -> Line:
@@ -38,10 +70,9 @@ def _progress(report: Report, width: int) -> Line:
 
 def _facts(report: Report, width: int, silence: float) -> Line:
     """The facts that fit in `width`, in their short form if necessary."""
-    n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
     sent, decoded = report.beacons_sent, report.beacons_decoded
     ratio = f"{decoded / sent:.1%}" if sent > 0 else number(float("nan"), "")
-    living = (f"{alive}/{n}", "" if alive == n else "bold red")
+    living = _living(report)
     name = "r_β" if len(report.plans) else "r*"
     optimum = (name, f"{number(report.optimal_separation, '.2f')} m", "")
     if report.changed_at > 0.0:
@@ -72,7 +103,18 @@ def _facts(report: Report, width: int, silence: float) -> Line:
         [short[0], since],
         [short[0], optimum],
     ]
-    facts = next((facts for facts in choices if _extent(facts) <= width), short[:1])
+    return _fitting([*choices, short[:1]], width)
+
+
+def _living(report: Report) -> tuple[str, str]:
+    """Number of robots alive, and its style."""
+    n, alive = len(report.alive), int(np.count_nonzero(report.alive == 1))
+    return f"{alive}/{n}", "" if alive == n else "bold red"
+
+
+def _fitting(choices: Sequence[Facts], width: int) -> Line:
+    """The first of the choices that fits in `width`, or else the last."""
+    facts = next((facts for facts in choices if _extent(facts) <= width), choices[-1])
     line: Line = []
     for label, value, style in facts:
         line += [styled(" " * _GAP if line else ""), styled(f"{label} ", "dim"), styled(value, style)]

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from console.dashboard import reception_panel
+from console.dashboard import belief, reception_panel
 from console.dashboard.canvas import Line
-from console.dashboard.map_panel import OUTAGE_STYLES, outage_class
+from console.dashboard.map_panel import OUTAGE_STYLES, loss, outage_class
 from console.terminal.formatting import count, number, percent, styled
-from fes.arrays.types import Ints
+from fes.arrays.types import Floats, Ints
 from fes.protocol.report import Report
 
 # Heading, width, and rank: the lowest is hidden first
@@ -29,6 +29,14 @@ _MEASURED = (
     ("sent", 5, 2),
     ("gap", 5, 3),
 )
+_OF_ROBOTS = (
+    ("separation", 10, 7),
+    ("error", 7, 5),
+    ("estimates", 13, 6),
+    ("lost", 6, 4),
+    ("sent", 5, 2),
+)
+_OF_MEASURING_ROBOTS = (*_OF_ROBOTS[:3], ("learnt", 6, 3), *_OF_ROBOTS[3:])
 _NEEDED = 4  # the panel is made wide enough for columns of this rank and above
 
 
@@ -39,19 +47,27 @@ def links(report: Report, width: int, height: int) -> list[Line]:
     first = _first_column(report)
     columns, gap = _fit(report, width - first)
     heading = "link".ljust(first) + "".join(f"{name:>{gap + size}}" for name, size, _ in columns)
-    order = _worst_first(report)
+    order, error, lost = _worst_first(report), errors(report), loss(report)
     rows = len(order) if len(order) < height else max(0, height - 2)
     lines = [[styled(heading, "dim")]]
     for index in order[:rows].tolist():
-        style = OUTAGE_STYLES[int(outage_class(report.outage[index : index + 1])[0])]
+        style = OUTAGE_STYLES[int(outage_class(lost[index : index + 1])[0])]
         line = [styled(_link(report, index).ljust(first))]
         for name, size, _ in columns:
-            colored = style if name in ("outage", "learnt true") else ""
-            line.append(styled(f"{_cell(report, index, name):>{gap + size}}", colored))
+            colored = style if name in ("outage", "learnt true", "lost") else ""
+            text = number(error[index], "+.2f") if name == "error" else _cell(report, index, name)
+            line.append(styled(f"{text:>{gap + size}}", colored))
         lines.append(line)
     if rows < len(order):
         lines.append([styled(f"… and {len(order) - rows:,} more", "dim")])
     return lines
+
+
+def errors(report: Report) -> Floats:
+    """Separation less r* [l] [m]; of real robots, less their own estimate of the link."""
+    if report.is_of_robots:
+        return belief.formation_errors(report)
+    return report.separation - report.optimal_separation
 
 
 def needed_width(report: Report) -> int:
@@ -65,6 +81,8 @@ def full_width(report: Report) -> int:
 
 
 def _columns(report: Report) -> tuple[tuple[str, int, int], ...]:
+    if report.is_of_robots:
+        return _OF_MEASURING_ROBOTS if reception_panel.is_measured(report) else _OF_ROBOTS
     return _MEASURED if reception_panel.is_measured(report) else _ORACLE
 
 
@@ -85,9 +103,9 @@ def _fit(report: Report, width: int) -> tuple[list[tuple[str, int, int]], int]:
 
 
 def _worst_first(report: Report) -> Ints:
-    """Order of the links by |separation - r*|, rounded as shown, so that rows that look equal keep their order."""
+    """Order of the links by |error|, rounded as shown, so that rows that look equal keep their order."""
     with np.errstate(all="ignore"):
-        error = np.round(np.abs(report.separation - report.optimal_separation), 2)
+        error = np.round(np.abs(errors(report)), 2)
     order: Ints = np.lexsort((report.b, report.a, -np.where(np.isfinite(error), error, -1.0)))
     return order
 
@@ -97,12 +115,14 @@ def _cell(report: Report, index: int, column: str) -> str:
     match column:
         case "separation":
             return number(separation, ".2f")
-        case "error":
-            return number(separation - report.optimal_separation, "+.2f")
         case "estimates":
             return f"{number(report.estimate_ab[index], '.2f'):>6} {number(report.estimate_ba[index], '.2f'):>6}"
         case "outage":
             return percent(float(report.outage[index]))
+        case "lost":
+            return percent(float(loss(report)[index]))
+        case "learnt":
+            return percent(float(report.learnt_reception[index]))
         case "learnt true":
             return (
                 f"{percent(float(report.learnt_reception[index])):>5} {percent(1.0 - float(report.outage[index])):>5}"

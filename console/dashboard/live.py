@@ -4,6 +4,7 @@ import contextlib
 import io
 import re
 import time
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -28,10 +29,14 @@ LEAST = 12
 class Screen:
     """A terminal that shows the dashboard within a block, and keeps its last frame."""
 
-    def __init__(self, console: Console, below: int = 0) -> None:
-        """`below` is the number of lines printed after the last frame, which leaves room for them."""
+    def __init__(self, console: Console, below: int = 0, expected: str = "the world") -> None:
+        """`below` is the number of lines printed after the last frame, which leaves room for them.
+
+        `expected` names the program or the robots whose first report is awaited.
+        """
         self.history = ReportHistory()
-        self._console = console
+        self.history.expected = expected
+        self.console = console
         self._below = below
         self._draw: Draw = lambda frame: None
         self._open = contextlib.ExitStack()
@@ -39,7 +44,7 @@ class Screen:
     def __enter__(self) -> Self:
         with contextlib.ExitStack() as stack:
             stack.callback(self._keep)
-            self._draw = stack.enter_context(screen.full_screen(self._console))
+            self._draw = stack.enter_context(screen.full_screen(self.console))
             self.draw()
             self._open = stack.pop_all()
         return self
@@ -61,14 +66,14 @@ class Screen:
 
     def frame(self) -> RenderableType:
         """One frame of the reports so far, at the terminal's present size."""
-        return render(self.history, self._console.width, self._console.height)
+        return render(self.history, self.console.width, self.console.height)
 
     def _keep(self) -> None:
         """Print the last frame, if any, as ordinary lines."""
         if self.history.latest is not None:
-            height = max(LEAST, self._console.height - self._below - 1)  # the last line is for the shell's prompt
+            height = max(LEAST, self.console.height - self._below - 1)  # the last line is for the shell's prompt
             with contextlib.suppress(OSError, SystemExit):  # rich raises SystemExit if the pipe is closed
-                self._console.print(render(self.history, self._console.width, height))
+                self.console.print(render(self.history, self.console.width, height))
 
 
 def save_picture(path: Path, frame: RenderableType, width: int, height: int, title: str) -> None:
@@ -82,10 +87,26 @@ def save_picture(path: Path, frame: RenderableType, width: int, height: int, tit
         raise FesError(f"cannot write {path}: {reason(error, with_file=False)}") from None
 
 
+@contextlib.contextmanager
+def saved(shown: Screen, picture: Path | None, title: str) -> Iterator[None]:
+    """A block after which the last frame is written as a picture, if a file is named."""
+    try:
+        yield
+    finally:
+        if picture is not None:
+            console = shown.console
+            save_picture(picture, shown.frame(), console.width, console.height, title)
+
+
 async def watch(bus: Bus, run: str, timeout: float, shown: Screen) -> None:
     """Show a run until its world leaves; raises Unavailable if none appears within `timeout` [s]."""
+    await follow(observer.reports(bus, run, timeout, IDLE), shown)
+
+
+async def follow(reports: AsyncIterator[Report | None], shown: Screen) -> None:
+    """Show reports until their end; None among them stands for a time without one."""
     last_report = time.monotonic()
-    async for report in observer.reports(bus, run, timeout, IDLE):
+    async for report in reports:
         if report is None:
             shown.draw(time.monotonic() - last_report)
         else:

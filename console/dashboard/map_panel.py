@@ -7,6 +7,7 @@ import numpy as np
 from rich.segment import Segment
 from rich.style import Style
 
+from console.dashboard import belief
 from console.dashboard.canvas import DOTS_X, DOTS_Y, Canvas, Line
 from fes.arrays.geometry import HEADING
 from fes.arrays.types import Bools, Floats, Ints
@@ -85,12 +86,17 @@ def team_map(report: Report, width: int, height: int) -> list[Line]:
     return [*canvas.render(), _scale_bar(seen.scale * DOTS_X, width)]
 
 
-def legend(width: int) -> Line:
+def loss(report: Report) -> Floats:
+    """Outage of each link [l]; of real robots the share of their beacons that did not decode."""
+    return belief.lost(report) if report.is_of_robots else report.outage
+
+
+def legend(report: Report, width: int) -> Line:
     """Line styles of the outage classes, with words if `width` has room for them."""
     line: Line = []
     for (pattern, meaning), style in zip(_LEGEND, OUTAGE_STYLES, strict=True):
         line += [Segment(f" {pattern}", Style.parse(style)), Segment(f" {meaning}")]
-    titled = [Segment("outage "), *line]
+    titled = [Segment("lost " if report.is_of_robots else "outage "), *line]
     return titled if sum(segment.cell_length for segment in titled) <= width else line[:-1]
 
 
@@ -98,7 +104,7 @@ def _links(canvas: Canvas, report: Report, dots: Floats, shown: Bools) -> None:
     n = len(dots)
     known = np.flatnonzero((report.a >= 0) & (report.b >= 0) & (report.a < n) & (report.b < n))
     drawn = known[shown[report.a[known]] & shown[report.b[known]]]
-    kind = outage_class(report.outage[drawn])
+    kind = outage_class(loss(report)[drawn])
     canvas.lines(dots[report.a[drawn]], dots[report.b[drawn]], _LINK + kind, _DASHES[kind])
 
 

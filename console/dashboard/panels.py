@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from console.dashboard import belief
 from console.dashboard.canvas import Line
 from console.terminal.formatting import UNKNOWN, length, number, styled
 from fes.arrays.types import Floats, Ints
@@ -21,7 +22,7 @@ SERIES = {
 }
 """Plotted fields of a Report, and their labels."""
 
-_LABEL = max(map(len, SERIES.values()))
+_LABEL = max(map(len, [*SERIES.values(), *belief.SERIES]))
 _VALUE = 8
 _AXIS = 8
 _DECADES = 8  # maximum span of a log scale
@@ -37,21 +38,30 @@ def connectivity(report: Report) -> list[Line]:
         state = styled(f"{len(sizes):,} components ({largest})", "yellow")
     algebraic = styled("" if lambda_2 is None else f"  λ₂ {lambda_2:.3g}")
     disk = styled("connected", "green") if report.disk_connected else styled("not connected", "yellow")
-    lines = [[styled("links       ", "dim"), state, algebraic], [styled("disk graph  ", "dim"), disk]]
+    graph = "heard       " if report.is_of_robots else "disk graph  "
+    lines = [[styled("links       ", "dim"), state, algebraic], [styled(graph, "dim"), disk]]
     dead = np.flatnonzero(report.alive != 1).tolist()
     if dead:
         lines.append([styled("not alive   ", "dim"), styled(", ".join(map(str, dead[:40])), "bold red")])
     return lines
 
 
-def convergence(report: Report, series: Floats, changes: Ints, width: int, rows: int) -> list[Line]:
-    """A sparkline per row of `series` [3, k] [m] on a log scale, `rows` high.
+def series(report: Report) -> Floats:
+    """The plotted values of a Report [3] [m]."""
+    if report.is_of_robots:
+        return belief.series(report)
+    return np.array([getattr(report, name) for name in SERIES])
+
+
+def convergence(report: Report, history: Floats, changes: Ints, width: int, rows: int) -> list[Line]:
+    """A sparkline per row of `history` [3, k] [m] on a log scale, `rows` high.
 
     k is `sparkline_width`; `changes` are the columns in which the channel changed.
     """
     lines: list[Line] = []
-    for values, (field, label) in zip(series, SERIES.items(), strict=True):
-        now = f"{length(getattr(report, field)):>{_VALUE}}"
+    labels = belief.SERIES if report.is_of_robots else SERIES.values()
+    for values, label, latest in zip(history, labels, series(report).tolist(), strict=True):
+        now = f"{length(latest):>{_VALUE}}"
         low, high = log_range(values)
         bars = [_marked(bar, changes) for bar in bar_rows(values, low, high, rows)]
         if rows == 1:
@@ -65,7 +75,13 @@ def convergence(report: Report, series: Floats, changes: Ints, width: int, rows:
 
 
 def tracking(report: Report, width: int) -> Line:
-    """Error of the mean estimate, and time until it stays within 1 m of r*, in the words that fit."""
+    """Error of the mean estimate, and time until it stays within 1 m of r*, in the words that fit.
+
+    Of real robots, whose r* is unknown, the mean estimate itself.
+    """
+    if report.is_of_robots:
+        estimate = length(belief.mean_estimate(report))
+        return [styled(f"{'mean estimate':<{_LABEL}} ", "dim"), styled(estimate)]
     error = report.mean_estimate_error
     passed = number(report.tick * report.dt - report.changed_at, ",.1f")
     if math.isfinite(report.tracking_time):

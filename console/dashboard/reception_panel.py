@@ -12,8 +12,6 @@ from fes.protocol.report import Report
 BESIDES = 3
 """Lines of the panel below the chart."""
 
-LEGEND = [styled("⠒⠒⠒", "cyan"), styled(" learnt  "), styled("⠂ ⠂", "magenta"), styled(" true  • counted")]
-
 _PALETTE = ("", "magenta", "cyan", "bold")
 _TRUE, _LEARNT, _COUNTED = 1, 2, 3
 _AXIS = 5
@@ -27,6 +25,12 @@ def is_measured(report: Report) -> bool:
     return bool(np.isfinite(report.learnt_level).any() or np.isfinite(report.learnt_reception).any())
 
 
+def legend(report: Report) -> Line:
+    """The marks of the chart; real robots have no true curve."""
+    true = [] if report.is_of_robots else [styled("⠂ ⠂", "magenta"), styled(" true  ")]
+    return [styled("⠒⠒⠒", "cyan"), styled(" learnt  "), *true, styled("• counted")]
+
+
 def counted(report: Report) -> Floats:
     """Share of each link's beacons that decoded [l]; NaN before the first beacon."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -37,8 +41,8 @@ def counted(report: Report) -> Floats:
 def panel(report: Report, width: int, height: int) -> list[Line]:
     """`height` lines: the chart, and the parameters of ln(-ln p) = level + exponent ln(r / rho_0)."""
     facts = [
-        _fact("level", report.learnt_level, report.true_level),
-        _fact("exponent", report.learnt_exponent, report.true_exponent),
+        _fact("level", report.learnt_level, None if report.is_of_robots else report.true_level),
+        _fact("exponent", report.learnt_exponent, None if report.is_of_robots else report.true_exponent),
     ]
     known = (report.separation > _LEAST) & (report.separation < _MOST)  # false for NaN
     if width - _AXIS < 1 or height <= BESIDES or not known.any():
@@ -142,11 +146,14 @@ def _reception_range(parts: Floats) -> tuple[float, float]:
     return low / 20.0, max(low + 1, math.ceil(20.0 * float(known.max()))) / 20.0
 
 
-def _fact(name: str, values: Floats, truth: float) -> Line:
+def _fact(name: str, values: Floats, truth: float | None) -> Line:
     known = values[np.isfinite(values)]
     spread = float(known.max()) - float(known.min()) if len(known) else math.nan
-    learnt = f"{number(_median(values), '.3f')} (spread {number(spread, '.3f')}), true {number(truth, '.3f')}"
-    return [styled(f"{name:<9}", "dim"), styled(learnt)]
+    learnt = f"{number(_median(values), '.3f')} (spread {number(spread, '.3f')})"
+    return [
+        styled(f"{name:<9}", "dim"),
+        styled(learnt if truth is None else f"{learnt}, true {number(truth, '.3f')}"),
+    ]
 
 
 def _median(values: Floats) -> float:

@@ -55,7 +55,7 @@ class Report:
     scenario: str
     tick: int
     ticks: int
-    """Total number of ticks of the run."""
+    """Total number of ticks of the run; 0 for real robots, whose run has no end."""
     dt: float
     """Tick length [s]."""
     optimal_separation: float
@@ -67,7 +67,7 @@ class Report:
     alive: Bytes
     """1 for each robot that takes part, and whose agent is alive [n]."""
     poses: Floats
-    """True poses [n, 3] [m, m, rad; world frame]."""
+    """True poses [n, 3] [m, m, rad; world frame]; of real robots what each believes, NaN before its first pose."""
     a: Ints
     """Links in use: the lower id [l]."""
     b: Ints
@@ -131,6 +131,11 @@ class Report:
     plans: Ints = field(default_factory=_none)
     """Kind of plan of each robot [n]: 0 a direct plan, 1 a contraction, 2 none; [0] if no configuration is sought."""
 
+    @property
+    def is_of_robots(self) -> bool:
+        """True if it merges the reports of real robots, without a world that knows the truth."""
+        return self.ticks == 0
+
 
 def encode_report(report: Report) -> bytes:
     """The payload of a Report."""
@@ -175,7 +180,7 @@ def decode_report(payload: bytes) -> Report:
         ticks=wire.tick(name, ticks),
         **dict(zip(_NUMBERS, numbers, strict=True)),
         alive=wire.codes(name, alive, robots, 1),
-        poses=wire.numbers(name, poses, 3 * robots).reshape(robots, 3),
+        poses=(_floats if ticks == 0 else wire.numbers)(name, poses, 3 * robots).reshape(robots, 3),
         a=lower,
         b=higher,
         **links,

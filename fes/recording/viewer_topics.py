@@ -26,7 +26,7 @@ _SHADES = 15  # of the links' colors: few, because each distinct number takes by
 _COLORS = [{"r": shade / _SHADES, "g": 1.0 - shade / _SHADES, "b": 0.2, "a": 1.0} for shade in range(_SHADES + 1)]
 _ROBOT_FIELDS = tuple(field.name for field in RobotState.DESCRIPTOR.fields)
 _LINK_FIELDS = tuple(field.name for field in LinkState.DESCRIPTOR.fields)
-_OUTAGE = _LINK_FIELDS.index("outage")
+_OUTAGE, _SENT, _DECODED = (_LINK_FIELDS.index(name) for name in ("outage", "sent", "decoded"))
 
 
 class View(NamedTuple):
@@ -62,11 +62,14 @@ def timestamp(nanoseconds: int) -> Timestamp:
 
 
 def transforms(view: View, time: Timestamp) -> FrameTransforms:
-    """The pose of each robot's frame in the map."""
+    """The pose of each robot's frame in the map; a robot whose pose is unknown has none."""
     message = FrameTransforms()
     half = 0.5 * view.poses[:, 2]
     columns = (view.poses[:, 0], view.poses[:, 1], np.sin(half), np.cos(half))
+    known = np.isfinite(view.poses).all(axis=1).tolist()
     for robot, (x, y, sine, cosine) in enumerate(np.column_stack(columns).tolist()):
+        if not known[robot]:
+            continue
         message.transforms.add(
             timestamp=time,
             parent_frame_id=MAP,
@@ -104,7 +107,11 @@ def bodies(robots: int, time: Timestamp) -> SceneUpdate:
 def links(view: View, time: Timestamp) -> SceneUpdate:
     """The links in use: green where all beacons decode, red where none does."""
     ends = np.stack([view.a, view.b], axis=1).reshape(-1)
-    shades = np.rint(np.nan_to_num(view.states[_OUTAGE], nan=1.0) * _SHADES).astype(int).tolist()
+    outage = view.states[_OUTAGE]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        counted = 1.0 - view.states[_DECODED] / view.states[_SENT]
+    lost = np.where(np.isnan(outage), counted, outage)  # the outage of real robots is unknown
+    shades = np.rint(np.nan_to_num(lost, nan=1.0) * _SHADES).astype(int).tolist()
     message = SceneUpdate()
     entity = message.entities.add(timestamp=time, frame_id=MAP, id="links")
     entity.lines.add(

@@ -44,7 +44,7 @@ LAYERS = (
     {"console.keys"},
     {"console.connect"},
     {"console.dashboard", "console.doctor"},
-    {"console.backends", "console.replay"},
+    {"console.backends", "console.replay", "console.team"},
     {"console.analysis", "console.check"},
     {"console.fit", "console.sweep"},
     {"console.api", "console.cli"},

@@ -15,11 +15,13 @@ from fes.errors import MessageError
 from fes.model.config import AgentConfig, ChannelConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import OracleConfig
 from fes.model.sensing import MAX_DECLARED, MAX_NUMBER, MAX_TWIST
-from fes.protocol import channel_change, messages, world_info
+from fes.protocol import channel_change, messages, robot_control, robot_report, world_info
 from fes.protocol import report as reports
 from fes.protocol.channel_change import ChangeResult, ParameterChange
 from fes.protocol.messages import Beacon, Command, Join, Observation, Welcome
 from fes.protocol.report import Report
+from fes.protocol.robot_control import GateStatus, Permit
+from fes.protocol.robot_report import Heard, RobotReport
 from fes.protocol.world_info import WorldInfo
 
 
@@ -142,6 +144,34 @@ def team_fields(draw: st.DrawFn, n: int) -> dict[str, Any]:
     return {"has_team_index": True, **{name: draw(st.floats()) for name in TEAM_NUMBERS}, **arrays}
 
 
+@st.composite
+def robot_reports(draw: st.DrawFn) -> RobotReport:
+    near = draw(peers)
+    numbers = st.lists(ticks, min_size=len(near), max_size=len(near)).map(lambda each: np.array(each, dtype=np.int64))
+    counts = draw(numbers), draw(numbers), draw(numbers)
+    beacons = Heard(near, *counts, draw(floats(len(near), st.floats(allow_infinity=False))))
+    return RobotReport(
+        draw(st.integers(0, robot_report.MAX_BOOT)),
+        draw(spans),
+        draw(st.floats(robot_report.SHORTEST_TICK, robot_report.LONGEST_TICK)),
+        (draw(finite), draw(finite), draw(finite)),
+        draw(spans | st.just(robot_report.NO_AGE)),
+        draw(commands()),
+        draw(spans),
+        beacons,
+        draw(st.sampled_from(["", *robot_control.MODES])),
+        draw(reasons),
+    )
+
+
+spans = st.floats(0, robot_report.MAX_TIME)
+reasons = st.text(st.characters(codec="ascii", categories=["L", "N", "P", "Zs"]), max_size=200)
+poses = st.tuples(finite, finite, finite)
+gate_states = st.builds(
+    GateStatus, robots, st.sampled_from(robot_control.MODES), reasons, poses, finite, st.tuples(finite, finite),
+    ticks, ticks,
+)  # fmt: skip
+permits = st.builds(Permit, st.integers(0, robot_control.MAX_OPERATOR), ticks)
 crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
 words = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
 joins = st.builds(Join, crews, st.integers(0, messages.MAX_AGENT), words)
@@ -168,6 +198,9 @@ CODECS = {
     "Recall": Codec(messages.encode_recall, messages.decode_recall, ticks, 1),
     "Change": Codec(channel_change.encode_change, channel_change.decode_change, changes, 2),
     "Effect": Codec(channel_change.encode_result, channel_change.decode_result, effects, 5),
+    "RobotReport": Codec(robot_report.encode_robot_report, robot_report.decode_robot_report, robot_reports(), 12),
+    "Permit": Codec(robot_control.encode_permit, robot_control.decode_permit, permits, 2),
+    "GateStatus": Codec(robot_control.encode_gate_status, robot_control.decode_gate_status, gate_states, 8),
     "About": Codec(world_info.encode_world_info, world_info.decode_world_info, abouts, 4),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()

@@ -4,9 +4,15 @@ import math
 import struct
 from typing import Any
 
+import msgpack
+
 
 def int32(*ids: int) -> bytes:
     return struct.pack(f"<{len(ids)}i", *ids)
+
+
+def int64(*numbers: int) -> bytes:
+    return struct.pack(f"<{len(numbers)}q", *numbers)
 
 
 def float64(*numbers: float) -> bytes:
@@ -34,6 +40,12 @@ PLAIN: dict[str, list[Any]] = {
         [struct.pack("<2q", 3, 0), struct.pack("<2q", 1, 0)],
     ],
 }
+PLAIN["RobotReport"] = [
+    *(PROTOCOL, 77, 2.5, 0.02, [1.0, 2.0, 0.5], 0.04, msgpack.packb(PLAIN["Command"]), 75.0, int32(2, 9)),
+    *([int64(90, 80), int64(10, 19), int64(0, 1)], float64(61.0, math.nan), "held", "no permit"),
+]
+PLAIN["Permit"] = [PROTOCOL, 5, 7]
+PLAIN["GateStatus"] = [PROTOCOL, 4, "stopped", "fence", [1.0, 2.0, 0.5], 0.04, [0.0, 0.0], 90, 1]
 
 TEAM: list[Any] = [[0.5, 0.69, math.nan], int32(1), int32(-1, 0), int32(2, 0)]
 """The last field of a Report with the team index, of two robots."""

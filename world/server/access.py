@@ -9,6 +9,14 @@ to them. If the router is another process, the world is one more role, which may
 | robot-<ids> | own beacons, commands, tokens | own observations, beacons, the world's token | welcome, lost beacon |
 | observer    | nothing                       | reports, all tokens                          | world info           |
 | operator    | nothing                       | reports, all tokens                          | world info, a change |
+
+A team of real robots has no world. The rules of its router, which `fes keys rules` prints, allow in addition:
+
+| role        | may publish          | may receive | may query         | may answer          |
+|-------------|----------------------|-------------|-------------------|---------------------|
+| robot-<ids> | own reports, tokens  | permits     | nothing           | start, stop, status |
+| observer    | nothing              | reports     | status            | nothing             |
+| operator    | permits              | reports     | status, start, stop | nothing           |
 """
 
 from collections.abc import Iterable, Sequence
@@ -54,13 +62,15 @@ def roles(settings: dict[str, object]) -> list[str]:
 
 
 def _robot(run: str, role: str, hosted: Sequence[int]) -> list[Rule]:
-    own = [key(run, robot) for robot in hosted for key in (keys.beacon, keys.command)]
+    own = [key(run, robot) for robot in hosted for key in (keys.beacon, keys.command, keys.robot_report)]
+    tokens = [key(run, robot) for robot in hosted for key in (keys.robot_alive, keys.gate_alive)]
+    asked = [key(run, robot) for robot in hosted for key in (keys.gate_start, keys.gate_stop, keys.gate_status)]
     observations = [keys.observation(run, robot) for robot in hosted]
     beacons = keys.beacon(run, "*")  # peers in range change each tick: the radio decides, not the router
     welcome = keys.welcome(run, keys.span(hosted))
     return [
         _allow(f"{role} publishes", "ingress", ["put"], own),
-        _allow(f"{role} is alive", "ingress", ["liveliness_token"], [keys.robot_alive(run, i) for i in hosted]),
+        _allow(f"{role} is alive", "ingress", ["liveliness_token"], tokens),
         _allow(f"{role} subscribes", "ingress", ["declare_subscriber"], [*observations, beacons]),
         _allow(f"{role} receives", "egress", ["put"], [*observations, beacons]),
         _allow(f"{role} joins", "ingress", ["query"], [welcome]),
@@ -71,16 +81,23 @@ def _robot(run: str, role: str, hosted: Sequence[int]) -> list[Rule]:
             f"{role} serves recalls", "ingress", ["declare_queryable", "reply"], [keys.recall(run, i) for i in hosted]
         ),
         _allow(f"{role} gets recalls", "egress", ["query"], [keys.recall(run, i) for i in hosted]),
+        _allow(f"{role} answers an operator", "ingress", ["declare_queryable", "reply"], asked),
+        _allow(f"{role} gets queries of an operator", "egress", ["query"], asked),
+        _allow("robots subscribe to permits", "ingress", ["declare_subscriber"], [keys.permit(run)]),
+        _allow("robots get permits", "egress", ["put"], [keys.permit(run)]),
         _allow("robots watch the world", "ingress", ["declare_liveliness_subscriber"], [keys.world_alive(run)]),
         _allow("robots see the world", "egress", ["liveliness_token"], [keys.world_alive(run)]),
     ]
 
 
 def _observer(run: str) -> list[Rule]:
-    alive = [keys.world_alive(run), keys.robot_alive(run, "*")]
+    alive = [keys.world_alive(run), keys.robot_alive(run, "*"), keys.gate_alive(run, "*")]
+    reports, status = [keys.report(run), keys.robot_report(run, "*")], [keys.gate_status(run, "*")]
     return [
-        _allow("observers subscribe", "ingress", ["declare_subscriber"], [keys.report(run)]),
-        _allow("observers receive", "egress", ["put"], [keys.report(run)]),
+        _allow("observers subscribe", "ingress", ["declare_subscriber"], reports),
+        _allow("observers receive", "egress", ["put"], reports),
+        _allow("observers ask gates for their state", "ingress", ["query"], status),
+        _allow("observers get the state of gates", "egress", ["reply"], status),
         _allow("observers watch tokens", "ingress", ["declare_liveliness_subscriber"], alive),
         _allow("observers see tokens", "egress", ["liveliness_token"], alive),
         _allow("observers query tokens", "ingress", ["liveliness_query"], [keys.tree(run)]),
@@ -90,7 +107,11 @@ def _observer(run: str) -> list[Rule]:
 
 
 def _operator(run: str) -> list[Rule]:
+    motion = [keys.gate_start(run, "*"), keys.gate_stop(run, "*")]
     return [
+        _allow("operators permit robots to move", "ingress", ["put"], [keys.permit(run)]),
+        _allow("operators start and stop robots", "ingress", ["query"], motion),
+        _allow("operators get the answers of gates", "egress", ["reply"], motion),
         _allow("operators change the channel", "ingress", ["query"], [keys.change(run)]),
         _allow("operators get results", "egress", ["reply"], [keys.change(run)]),
     ]

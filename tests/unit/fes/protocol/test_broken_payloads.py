@@ -8,7 +8,7 @@ import pytest
 
 from fes.protocol import wire
 from tests.support.payloads import CODECS, refusal
-from tests.support.plain_payloads import PLAIN, PROTOCOL, TEAM, float64, int32
+from tests.support.plain_payloads import PLAIN, PROTOCOL, TEAM, float64, int32, int64
 
 NAMES = list(CODECS)
 
@@ -60,6 +60,27 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("About", at, text, "version") for at in (1, 2) for text in (1, None, "1\n2", "1" * 101)),
     *(("About", 3, robots, "number of robots") for robots in (0, -1, 2**31, 1.0, True)),
     *(("About", 4, clock, "finite") for clock in (math.nan, math.inf, 1)),
+    *(("RobotReport", 1, boot, "number of a start") for boot in (-1, 2**62 + 1, 1.0, True, None)),
+    *(("RobotReport", 2, time, "a time from 0 to 1e+09") for time in (-1.0, 2e9, math.nan, math.inf, 1)),
+    *(("RobotReport", 3, dt, "a tick length") for dt in (0.0, -0.02, 1e-5, 11.0, math.nan, 1)),
+    *(("RobotReport", 4, pose, "a pose") for pose in ([1.0, 2.0], b"", None)),
+    *(("RobotReport", 4, [0.0, bad, 0.0], "finite") for bad in (math.nan, math.inf, 1)),
+    *(("RobotReport", 5, age, "the age of a pose") for age in (-0.5, -1, math.nan, 2e9)),
+    *(("RobotReport", 6, command, "Command") for command in (b"", b"\x90", 7, None)),
+    *(("RobotReport", 7, scale, "a separation") for scale in (-1.0, math.nan, 75)),
+    *(("RobotReport", 8, ids, "ascend") for ids in (int32(9, 2), int32(-1, 2))),
+    ("RobotReport", 8, int32(*range(4097)), "at most 4096 peers"),
+    *(("RobotReport", 9, counts, "heard, missed and late") for counts in ([], [b""] * 2, b"")),
+    *(("RobotReport", 9, [int64(1, 2), blob, int64(1, 2)], "2 int64") for blob in (b"", int64(1), [1, 2])),
+    *(("RobotReport", 9, [int64(1, bad)] * 3, "counts begin at 0") for bad in (-1, 2**53)),
+    *(("RobotReport", 10, blob, "2 float64") for blob in (b"", float64(1.0), [1.0, 2.0])),
+    ("RobotReport", 10, float64(1.0, math.inf), "finite, or NaN"),
+    *(("RobotReport", 11, mode, "mode") for mode in ("walking", 1, None, ["held"])),
+    *(("RobotReport", 12, reason, "one line") for reason in ("a\nb", "a" * 201, b"fence", None)),
+    *(("Permit", 1, operator, "an operator") for operator in (-1, 2**62 + 1, True, 1.0)),
+    *(("Permit", 2, sequence, "tick") for sequence in (-1, 2**53, 1.0, None)),
+    *(("GateStatus", 2, mode, "a mode") for mode in ("", "walking", 1, None)),
+    *(("GateStatus", 3, reason, "one line") for reason in ("a\nb", "a" * 201, b"fence", None)),
     ("Join", 1, list(range(100_001)), "list of robots"),
     ("Report", 9, [float64(1.0)] * 9, "link arrays"),
     ("Report", 9, [float64(1.0, 2.0)] * 10, "1 float64"),
@@ -82,6 +103,16 @@ def test_a_broken_field_is_rejected_with_its_rule(name: str, at: int, value: Any
     message = refusal(name, msgpack.packb(fields))
     assert message is not None
     assert rule in message
+
+
+def test_only_a_report_without_an_end_holds_robots_whose_pose_is_unknown() -> None:
+    fields = [*PLAIN["Report"][:3], 0, *PLAIN["Report"][4:]]
+    fields[6] = float64(1, 2, 3, math.nan, math.nan, math.nan)
+    decoded = CODECS["Report"].decode(msgpack.packb(fields))
+    assert decoded.is_of_robots
+    assert [math.isnan(x) for x in decoded.poses[:, 0]] == [False, True]
+    fields[3] = 9
+    assert "finite" in str(refusal("Report", msgpack.packb(fields)))
 
 
 @pytest.mark.parametrize("name", PLAIN)

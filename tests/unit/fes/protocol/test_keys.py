@@ -22,7 +22,7 @@ def test_each_function_yields_one_key_of_the_table_and_the_table_has_no_other() 
     yielded = [world("<run>") for world in WORLD] + [robot("<run>", "<i>") for robot in ROBOT]
     yielded += [keys.welcome("<run>", "<ids>"), keys.held_beacon("<run>", "<i>", "<ids>")]
     assert sorted(yielded) == sorted(TABLE)
-    assert len(set(TABLE)) == 13
+    assert len(set(TABLE)) == 19
 
 
 @given(run=runs, robot=robots)

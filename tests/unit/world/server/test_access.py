@@ -34,7 +34,11 @@ def everything(message: str, flow: str, role: str) -> set[str]:
 
 
 BEACONS = {f"robot/{robot}/beacon" for robot in (2, 3, 4)}
-TOKENS = {"world/alive", *(f"robot/{robot}/alive" for robot in (2, 3, 4))}
+TOKENS = {"world/alive", *(f"robot/{robot}/{kind}" for robot in (2, 3, 4) for kind in ("alive", "gate"))}
+REPORTS = {"world/report", *(f"robot/{robot}/report" for robot in (2, 3, 4))}
+STATUS = {f"robot/{robot}/status" for robot in (2, 3, 4)}
+MOTION = {f"robot/{robot}/{verb}" for robot in (2, 3, 4) for verb in ("start", "stop")}
+GATE_3 = {"robot/3/start", "robot/3/stop", "robot/3/status"}
 
 
 def recalled(ids: str) -> set[str]:
@@ -43,35 +47,43 @@ def recalled(ids: str) -> set[str]:
 
 
 def test_a_robot_publishes_only_on_its_own_keys() -> None:
-    assert everything("put", "ingress", "robot-3") == {"robot/3/beacon", "robot/3/command"}
-    assert everything("liveliness_token", "ingress", "robot-3") == {"robot/3/alive"}
+    assert everything("put", "ingress", "robot-3") == {"robot/3/beacon", "robot/3/command", "robot/3/report"}
+    assert everything("liveliness_token", "ingress", "robot-3") == {"robot/3/alive", "robot/3/gate"}
     assert everything("query", "ingress", "robot-3") == {"world/welcome/3", *recalled("3")}
     for message in ("declare_queryable", "reply"):
-        assert everything(message, "ingress", "robot-3") == {"robot/3/recall"}
+        assert everything(message, "ingress", "robot-3") == {"robot/3/recall", *GATE_3}
 
 
-def test_a_robot_receives_its_own_observation_beacons_and_the_token_of_the_world() -> None:
+def test_a_robot_receives_its_own_observation_beacons_permits_and_the_token_of_the_world() -> None:
     for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
-        assert everything(message, flow, "robot-3") == {"robot/3/observation", *BEACONS}
+        assert everything(message, flow, "robot-3") == {"robot/3/observation", "team/permit", *BEACONS}
     for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
         assert everything(message, flow, "robot-3") == {"world/alive"}
     assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *recalled("3")}
-    assert everything("query", "egress", "robot-3") == {"robot/3/recall"}
+    assert everything("query", "egress", "robot-3") == {"robot/3/recall", *GATE_3}
 
 
 def test_a_crew_has_the_rights_of_its_robots_and_asks_for_them_together() -> None:
-    assert everything("put", "ingress", "robot-4-5") == {"robot/4/beacon", "robot/4/command"}
+    assert everything("put", "ingress", "robot-4-5") == {"robot/4/beacon", "robot/4/command", "robot/4/report"}
     assert everything("query", "ingress", "robot-4-5") == {"world/welcome/4-5", *recalled("4-5")}
 
 
 @pytest.mark.parametrize("role", ["observer", "operator"])
-def test_observers_and_operators_receive_reports_and_tokens_and_publish_nothing(role: str) -> None:
+def test_observers_and_operators_receive_reports_and_tokens_and_only_operators_publish_a_permit(role: str) -> None:
     for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
-        assert everything(message, flow, role) == {"world/report"}
+        assert everything(message, flow, role) == REPORTS
     for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
         assert everything(message, flow, role) == TOKENS
-    for message in ("put", "liveliness_token"):
-        assert everything(message, "ingress", role) == set()
+    assert everything("put", "ingress", role) == ({"team/permit"} if role == "operator" else set())
+    assert everything("liveliness_token", "ingress", role) == set()
+
+
+def test_observers_ask_gates_for_their_state_and_only_operators_start_and_stop_robots() -> None:
+    assert everything("query", "ingress", "observer") == {"world/about", *STATUS}
+    assert everything("query", "ingress", "operator") == {"world/about", "world/set", *STATUS, *MOTION}
+    for role in ("observer", "operator"):
+        assert everything("reply", "egress", role) == everything("query", "ingress", role)
+        assert not {key for key in everything("reply", "ingress", role)}
 
 
 def test_only_an_operator_may_request_a_change() -> None:
@@ -109,7 +121,8 @@ def test_no_robot_may_delete_reply_or_use_a_pattern_and_every_other_message_is_d
     for role in SUBJECTS:
         assert everything("delete", "ingress", role) == set()
         for message in ("declare_queryable", "reply"):
-            assert not {key for key in everything(message, "ingress", role) if not key.endswith("/recall")}
+            answers = ("/recall", "/start", "/stop", "/status")
+            assert not {key for key in everything(message, "ingress", role) if not key.endswith(answers)}
         person = role in ("observer", "operator")
         assert permitted(role, "ingress", "liveliness_query", "fes/r/**") == person
         for message in ("put", "query", "liveliness_token"):

@@ -1,0 +1,10 @@
+"""The commands fes team: a person's side of a team of real robots.
+
+merge      the latest RobotReports of the robots, as one Report
+observer   an observer on the bus: merged Reports at 10 Hz
+recorder   the log and the summary of what an observer saw
+gates      queries to the gates of the robots, repeated until each has answered
+permit     the operator's Permits, and a team that is held by them
+status     the table of fes team status
+command    fes team status, start, stop, permit and view
+"""
