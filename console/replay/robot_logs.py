@@ -1,6 +1,5 @@
 """The command fes replay for logs of real robots: one file, or a folder with the files of several."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,9 @@ from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, Stopped
 from fes.recording import reader as run_reader
+from fes.recording.layout import AT_ITS_END
 from fes.recording.robot_log import layout, reader
+from fes.recording.robot_log.reader import RobotRecording
 from fes.system import strict_json
 
 
@@ -41,54 +42,47 @@ def replay(paths: list[Path], robot: int | None, json_: bool) -> int:
     With one log, raises FesError where it differs or lacks steps. With several, each fault is its line.
     """
     if len(paths) == 1:
-        result = _rerun(paths[0], robot)
-        _print(json_, result)
         log = reader.load(paths[0])
+        if robot not in (None, log.header.robot):
+            raise FesError(f"--robot {robot}: {log.path} is the log of robot {log.header.robot}")
+        result = _rerun(log)
+        printing.line(strict_json.dumps(result) if json_ else _line(result))
         if log.end is not None:
-            write: Callable[[str], None] = process.tell if json_ else printing.line
+            write = process.tell if json_ else printing.line
             write(f"the robot ended early: {log.end}")
         if log.complaint is not None:
             raise FesError(log.complaint)
         return process.SUCCESS
-    results = [_attempt(path, robot) for path in paths]
-    if json_:
-        printing.line(strict_json.dumps(results))
-    else:
-        for result in results:
-            printing.line(result["error"] if "error" in result else _line(result))
+    results = [_attempt(path) for path in paths]
+    for line in [strict_json.dumps(results)] if json_ else map(_line, results):
+        printing.line(line)
     return process.FAILURE if any("error" in result for result in results) else process.SUCCESS
 
 
-def _attempt(path: Path, robot: int | None) -> dict[str, Any]:
+def _attempt(path: Path) -> dict[str, Any]:
     """The result for one of several logs, or its fault."""
     try:
-        result, log = _rerun(path, robot), reader.load(path)
+        log = reader.load(path)
+        result = _rerun(log)
+        if log.complaint is not None:
+            raise FesError(log.complaint)
     except Stopped:
         raise
     except FesError as error:
-        return {"log": path.name, "error": _named(path, str(error))}
-    if log.complaint is not None:
-        return {"log": path.name, "error": log.complaint}
-    return {"log": path.name, **result}
+        text = str(error)
+        return {"log": path.name, "error": text if text.startswith(str(path)) else f"{path}: {text}"}
+    return {"log": path.name, **result, "ended": log.ended}
 
 
-def _named(path: Path, error: str) -> str:
-    """An error that begins with the file."""
-    return error if error.startswith(str(path)) else f"{path}: {error}"
-
-
-def _rerun(path: Path, robot: int | None) -> dict[str, Any]:
-    log = reader.load(path)
+def _rerun(log: RobotRecording) -> dict[str, Any]:
     own = log.header.robot
-    if robot not in (None, own):
-        raise FesError(f"--robot {robot}: {path} is the log of robot {own}")
     with progress.bar(f"robot {own}, executed again", log.count) as bar:
         return {"robot": own, "ticks": robot_steps.rerun(log, bar.advance)}
 
 
 def _line(result: dict[str, Any]) -> str:
-    return f"robot {result['robot']}, executed again: {result['ticks']} ticks, the same to the bit"
-
-
-def _print(json_: bool, result: dict[str, Any]) -> None:
-    printing.line(strict_json.dumps(result) if json_ else _line(result))
+    if "error" in result:
+        return str(result["error"])
+    early = result.get("ended", AT_ITS_END)
+    end = "" if early == AT_ITS_END else f"; it ended early: {early}"
+    return f"robot {result['robot']}, executed again: {result['ticks']} ticks, the same to the bit{end}"

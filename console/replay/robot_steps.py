@@ -17,6 +17,7 @@ from fes.errors import FesError, MessageError
 from fes.extension import crew_laws, evidence
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Observation
+from fes.recording.robot_log.layout import counted
 from fes.recording.robot_log.reader import RecordedStep, RobotRecording
 
 T = TypeVar("T", Observation, Beacon)
@@ -87,10 +88,8 @@ class ReplayedRobot:
         """The line about steps that are not in the log."""
         until = "its state is unknown from its start on"
         if self._tick is not None:
-            until = (
-                f"up to tick {self._tick} robot {self._robot} is the same to the bit, and then its state is unknown"
-            )
-        return f"{self._log.path}: {step.lost} steps before tick {step.tick} are not in the log: {until}"
+            until = f"robot {self._robot} is the same to the bit up to tick {self._tick}, then its state is unknown"
+        return f"{self._log.path} lacks {counted(step.lost)} before tick {step.tick}: {until}"
 
 
 def _check_extensions(recording: RobotRecording) -> None:

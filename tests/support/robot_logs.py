@@ -6,15 +6,19 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from agents.runtime.hosted_crew import HostedCrew
 from console.replay import log as run_logs
 from fes.model.config import AgentConfig
 from fes.model.sensing import DECODED
 from fes.protocol import messages
+from fes.protocol.messages import Welcome
 from fes.recording import records
+from fes.recording.layout import AT_ITS_END
 from fes.recording.messages_pb2 import RobotStep
 from fes.recording.robot_log.layout import Fix, Header
 from fes.recording.robot_log.reader import RecordedStep
 from fes.recording.robot_log.recorder import RobotLog
+from fes.recording.writer.frames import STEP
 from fes.recording.writer.log_file import LogFile
 from tests.support import recordings
 from tests.support.loop import load
@@ -61,18 +65,49 @@ def steps(robot: int, duration: float = 4.0) -> list[RecordedStep]:
     return result
 
 
+def executed(inputs: Iterable[RecordedStep], robot: int, config: AgentConfig | None = None) -> list[RecordedStep]:
+    """The steps of a robot that receives the inputs of other steps; an agent's code computes what it returns."""
+    settings = agent_config(scenario()) if config is None else config
+    crew, result = HostedCrew(Welcome((robot,), settings)), list[RecordedStep]()
+    for number, step in enumerate(inputs):
+        observations = crew.observe([messages.decode_observation(step.observation)])
+        [(_, beacon, command)] = crew.answer(observations, [messages.decode_beacon(one) for one in step.beacons])
+        result.append(step._replace(number=number, beacon=beacon, command=command))
+    return result
+
+
 def add(log: RobotLog, recorded: Iterable[RecordedStep]) -> None:
     """Add steps to a log."""
     for step in recorded:
         log.tick(step.tick, step.observation, step.beacons, step.beacon, step.command, step.monotonic_ns, step.fix)
 
 
-def write(path: Path, robot: int, recorded: Iterable[RecordedStep] | None = None) -> Path:
+def write(
+    path: Path,
+    robot: int,
+    recorded: Iterable[RecordedStep] | None = None,
+    reason: str = AT_ITS_END,
+    writer: Callable[[Path], LogFile] = LogFile,
+) -> Path:
     """A complete log of a robot, written in this process; returns its path."""
-    with RobotLog(path, header(robot), writer=LogFile) as log:
-        log.event("gate", "the gate is open", permit=1)
-        add(log, steps(robot) if recorded is None else recorded)
+    log = RobotLog(path, header(robot, scale=0.01), writer=writer, warn=lambda text: None, clock=lambda: 5 * TICK)
+    log.event("gate", "the gate is open", permit=1)
+    add(log, steps(robot) if recorded is None else recorded)
+    log.finish(reason)
     return path
+
+
+class Busy(LogFile):
+    """A writer that is behind while the robot makes some of its steps."""
+
+    def __init__(self, path: Path, steps: Iterable[int]) -> None:
+        super().__init__(path)
+        self._steps = set(steps)
+
+    def offer(self, tick: int, time: int, messages: list[Any]) -> bool:
+        """Add messages, unless this writer is behind."""
+        is_behind = messages[-1][0] == STEP and tick in self._steps
+        return not is_behind and super().offer(tick, time, messages)
 
 
 def edited(tick: int, change: Callable[[RobotStep], None]) -> Edit:

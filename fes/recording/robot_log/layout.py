@@ -118,6 +118,15 @@ def paths(folder: Path, robot: int | None = None) -> list[Path]:
     return [path for number, _, path in _listed(folder.iterdir()) if robot in (None, number)]
 
 
+def counted(number: int, what: str = "step") -> str:
+    """A number of steps or events, in words.
+
+    >>> counted(1), counted(2, "event")
+    ('1 step', '2 events')
+    """
+    return f"{number:,} {what}{'' if number == 1 else 's'}"
+
+
 def _listed(files: Iterable[Path]) -> list[tuple[int, int, Path]]:
     """Robot, start and file of each log of a robot among files, in order."""
     named = [(match, path) for path in files if (match := _NAME.fullmatch(path.name))]

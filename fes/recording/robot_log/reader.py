@@ -14,7 +14,7 @@ from fes.protocol import wire
 from fes.recording import protobuf, reader, ticks
 from fes.recording.layout import AT_ITS_END
 from fes.recording.messages_pb2 import RobotStep
-from fes.recording.robot_log.layout import EVENTS, HEADER, KIND, MAX_EVENTS, ROBOT_LOG, STEPS, Fix, Header
+from fes.recording.robot_log.layout import EVENTS, HEADER, KIND, MAX_EVENTS, ROBOT_LOG, STEPS, Fix, Header, counted
 from fes.system import fingerprint, strict_json
 
 _TOPICS = (HEADER, STEPS, EVENTS)
@@ -86,13 +86,13 @@ class RobotRecording:
     @property
     def complaint(self) -> str | None:
         """Complaint about a log without an end, or without its last steps; None about a complete one."""
-        count, total = 0, 0
+        there = last = 0
         for step in self.steps():
-            count, total = count + 1, step.number + 1
+            there, last = there + 1, step.number + 1
         if self.count is None:
-            return f"{self.path} has no end, its robot was killed or the file was cut: {count} steps are there"
-        if self.count > total:
-            return f"{self.path} lacks the last {self.count - total} steps: its writer was behind"
+            return f"{self.path} has no end, its robot was killed or the file was cut: {there} steps are there"
+        if self.count > last:
+            return f"{self.path} lacks the last {counted(self.count - last)}: its writer was behind"
         return None
 
     @property

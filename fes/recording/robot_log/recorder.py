@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Self
 from fes.errors import FesError
 from fes.protocol import world_info
 from fes.recording.layout import AT_ITS_END, MAX_JSON
-from fes.recording.robot_log.layout import KIND, LOST, MAX_EVENT, MAX_EVENTS, ROBOT_LOG, Fix, Header
+from fes.recording.robot_log.layout import KIND, LOST, MAX_EVENT, MAX_EVENTS, ROBOT_LOG, Fix, Header, counted
 from fes.recording.writer.connection import LogWriter
 from fes.recording.writer.frames import INFO, ROBOT, ROBOT_EVENT, STEP, WARNING
 from fes.system import fingerprint, strict_json
@@ -132,7 +132,7 @@ class RobotLog:
         steps, events = self._lost
         if not steps and not events:
             return []
-        text = f"{steps} steps and {events} events before this are not in the log: its writer was behind"
+        text = f"lost: {counted(steps)} and {counted(events, 'event')} before this are not in the log"
         return [self._event(now, LOST, text, {"steps": steps, "events": events}, WARNING)]
 
     def _event(self, now: int, kind: str, text: str, values: dict[str, Any], level: int = INFO) -> list[Any]:
