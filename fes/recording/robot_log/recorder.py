@@ -153,7 +153,9 @@ class RobotLog:
         elapsed = max(monotonic_ns - self._header.monotonic_ns, 0)
         try:
             is_taken = self._log.offer(max(self._steps - 1, 0) & _SEQUENCE, self._header.wall_ns + elapsed, messages)
-        except FesError as error:
+        except FesError as error:  # only of a writer in this process
+            if not isinstance(self._log, LogWriter):
+                self._log.close()
             self._fail(error)
             return False
         if is_taken:
