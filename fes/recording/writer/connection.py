@@ -125,7 +125,8 @@ class LogWriter:
             loss: str | None = self._ask("finish", ended, patience=patience)
             return loss
         finally:
-            self._end()
+            if not self._is_over:  # a failure has ended it
+                self._end()
 
     def _give(self, frame: bytes, patience: float) -> None:
         """Let the thread hand over a frame, as soon as the writer is not too far behind; `patience` [s]."""
