@@ -1,5 +1,9 @@
-"""Logs of a robot for tests: its inputs are those of a run in one loop."""
+"""Logs of a robot for tests: its inputs are those of a run in one loop.
 
+`python -m tests.support.robot_logs FILE` writes the stored log of the present format.
+"""
+
+import sys
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
@@ -128,3 +132,7 @@ def cut(path: Path, to: Path) -> Path:
     ends = [block.place for block in records.Reader(path)]
     to.write_bytes(path.read_bytes()[: ends[-1]])  # the last block is the metadata
     return to
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]), 1, steps(1)[:50])
