@@ -129,5 +129,5 @@ def counted(number: int, what: str = "step") -> str:
 
 def _listed(files: Iterable[Path]) -> list[tuple[int, int, Path]]:
     """Robot, start and file of each log of a robot among files, in order."""
-    named = [(match, path) for path in files if (match := _NAME.fullmatch(path.name))]
-    return sorted((int(match[1]), int(match[2] or 1), path) for match, path in named)
+    matches = [(match, path) for path in files if (match := _NAME.fullmatch(path.name))]
+    return sorted((int(match[1]), int(match[2] or 1), path) for match, path in matches)

@@ -86,11 +86,11 @@ class RobotRecording:
     @property
     def complaint(self) -> str | None:
         """Complaint about a log without an end, or without its last steps; None about a complete one."""
-        there = last = 0
+        count = last = 0
         for step in self.steps():
-            there, last = there + 1, step.number + 1
+            count, last = count + 1, step.number + 1
         if self.count is None:
-            return f"{self.path} has no end, its robot was killed or the file was cut: {there} steps are there"
+            return f"{self.path} has no end, its robot was killed or the file was cut: {count} steps are there"
         if self.count > last:
             return f"{self.path} lacks the last {counted(self.count - last)}: its writer was behind"
         return None

@@ -64,7 +64,9 @@ class RobotLog:
         self._is_closed = self._is_failed = self._is_behind = False
         self._watch: threading.Thread | None = None
         self._log = writer(path)
-        self._offer(header.monotonic_ns, [[ROBOT, content.encode(), f"robot {header.robot} of run {header.run}"]])
+        self._offer(
+            header.monotonic_ns, [[ROBOT, content.encode(), INFO, f"robot {header.robot} of run {header.run}"]]
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -98,7 +100,7 @@ class RobotLog:
         number, self._steps, self._tick, self._events = self._steps, self._steps + 1, tick, 0
         raw = None if fix is None else [int(fix.stamp_ns), *map(float, fix.pose)]
         step = [STEP, tick, number, monotonic_ns, observation, list(beacons), beacon, command, raw]
-        if not self._offer(monotonic_ns, [*self._account(monotonic_ns), step]):
+        if not self._offer(monotonic_ns, [*self._loss(monotonic_ns), step]):
             self._lost[0] += 1
             self._dropped += 1
 
@@ -106,7 +108,7 @@ class RobotLog:
         """Add an event: its kind, a line for viewers, and values for programs."""
         now, self._events = self._clock(), self._events + 1
         is_allowed = self._events < MAX_EVENTS  # a reader would reject the log
-        if not is_allowed or not self._offer(now, [*self._account(now), self._event(now, kind, text, values)]):
+        if not is_allowed or not self._offer(now, [*self._loss(now), self._event(now, kind, text, values)]):
             self._lost[1] += 1
 
     def finish(self, reason: str = AT_ITS_END, patience: float = PATIENCE) -> None:
@@ -127,7 +129,7 @@ class RobotLog:
             if damage is not None:
                 self._warn(f"{self.path} {damage} during the run: the log is incomplete")
 
-    def _account(self, now: int) -> list[list[Any]]:
+    def _loss(self, now: int) -> list[list[Any]]:
         """The event that counts what was dropped; none if nothing was."""
         steps, events = self._lost
         if not steps and not events:

@@ -45,14 +45,14 @@ class View:
         if time < self._due:
             return
         try:
-            sensed, told = messages.decode_observation(observation), messages.decode_command(command)
+            sensed, returned = messages.decode_observation(observation), messages.decode_command(command)
         except MessageError:
             return  # the log still holds the bytes
         self._due = time + VIEW_PERIOD
-        (x, y, heading), (linear, angular) = sensed.pose, told.twist
+        (x, y, heading), (linear, angular) = sensed.pose, returned.twist
         yield "/tf", viewer_topics.transform(sensed.robot, sensed.pose, viewer_topics.timestamp(time))
-        links = len(told.links)
-        mean = float(told.estimates.mean()) if links else math.nan
+        links = len(returned.links)
+        mean = float(returned.estimates.mean()) if links else math.nan
         state = RobotState(
             x=x, y=y, heading=heading, linear=linear, angular=angular, estimate_mean=mean, links=float(links)
         )

@@ -23,7 +23,7 @@ PACKED = "packed"
 ends], [EVENT, JSON], [REMARK, level, text], [REPORT, payload, numbers, arrays for viewers or None]."""
 
 ROBOT, STEP, ROBOT_EVENT = "robot", "step", "robot event"
-"""Kinds of messages of a robot's log: [ROBOT, JSON, text], [STEP, arguments of `robot_log.topics.step`],
+"""Kinds of messages of a robot's log: [ROBOT, JSON, level, text], [STEP, arguments of `robot_log.topics.step`],
 [ROBOT_EVENT, JSON, level, text]. The texts are remarks for viewers."""
 
 INFO, WARNING = 2, 3

@@ -17,7 +17,6 @@ from fes.recording.viewer_topics import View
 from fes.recording.writer.frames import (
     BODIES,
     EVENT,
-    INFO,
     PACKED,
     PAYLOADS,
     REMARK,
@@ -131,9 +130,9 @@ class LogFile:
         for a, b, link in viewer_topics.pairs(view):
             self._put(f"/link/{a}-{b}/state", link)
 
-    def _robot(self, text: bytes, remark: str) -> None:
+    def _robot(self, text: bytes, level: "Log.Level.ValueType", remark: str) -> None:
         self._file.put(layout.HEADER, layout.HEADER_SCHEMA, text, self._time, self._tick)
-        self._remark_of_robot(INFO, remark)
+        self._remark_of_robot(level, remark)
 
     def _step(self, *step: Any) -> None:
         message = topics.step(*step)
