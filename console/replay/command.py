@@ -10,7 +10,7 @@ import typer
 from console.connect.options import VERBOSE, Use
 from console.dashboard import summary
 from console.replay import log as logs
-from console.replay import player, recorded, reexecution
+from console.replay import player, recorded, reexecution, robot_logs
 from console.replay.log import Log
 from console.replay.robots import ReplayedRobots
 from console.terminal import printing, progress
@@ -23,7 +23,7 @@ from world.metrics.collector import MetricsCollector
 
 
 def replay(
-    target: Annotated[Path, typer.Argument(metavar="LOG", help="A log, run.mcap, or a run directory.")],
+    target: Annotated[Path, typer.Argument(metavar="LOG", help="The log of a run or of a robot, or their folder.")],
     robot: Annotated[
         int | None, typer.Option(min=0, metavar="I", help="Execute this robot again, and compare it with the log.")
     ] = None,
@@ -37,6 +37,8 @@ def replay(
     """Show a recorded run, or execute it again and compare it with the log, to the bit."""
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
+    if of_robots := robot_logs.chosen(target, robot, all_):
+        return robot_logs.replay(of_robots, robot, json_)
     log = logs.load(target)
     extensions.check(log.scenario, log.extensions, str(log.path))
     screen = printing.console(stderr=json_)

@@ -1,7 +1,7 @@
 """Messages of a log, decoded and checked, and second executions that differ from them."""
 
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from console.replay.difference import Difference
 from console.replay.log import Log
@@ -14,10 +14,18 @@ from fes.system import fingerprint
 T = TypeVar("T", Observation, Beacon, Command)
 
 
+class Recorded(Protocol):
+    """A log, of a run or of a robot."""
+
+    @property
+    def origin(self) -> str:
+        """Version of fes and arithmetic of the process that recorded it."""
+
+
 class Mismatch(FesError):
     """A second execution differs from the log. A note shows whether another version of fes may be the cause."""
 
-    def __init__(self, log: Log, difference: Difference | str) -> None:
+    def __init__(self, log: Recorded, difference: Difference | str) -> None:
         super().__init__(
             difference if isinstance(difference, str) else difference.describe("in the log", "executed again")
         )

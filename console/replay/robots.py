@@ -56,7 +56,7 @@ class ReplayedRobots:
             raise FesError(f"tick {tick.number - 1}: a Beacon that was decoded is not in the log")
         beacons = self._stack.beacons(tick.number - 1, received)
         sent, twists, telemetry = self._crew.step(observations, beacons)
-        telemetry = telemetry._replace(is_model_free=_stated(tick, sensing))
+        telemetry = telemetry._replace(is_model_free=stated([tick.payloads.commands[robot] for robot in sensing]))
         broken = transmitter.damaging(self._crew.crew.transmitters, tick.number)
         for robot, encoded, command in agent_marshalling.encode_tick(sent, twists, telemetry):
             if robot not in sensed:
@@ -69,9 +69,9 @@ class ReplayedRobots:
         self._before = tick
 
 
-def _stated(tick: LoggedTick, robots: list[int]) -> bool | None:
+def stated(commands: list[bytes]) -> bool | None:
     """`is_model_free` of the recorded commands: a second execution cannot compute it."""
-    for payload in filter(None, (tick.payloads.commands[robot] for robot in robots)):
+    for payload in filter(None, commands):
         with suppress(MessageError):
             return messages.decode_command(payload).is_model_free
     return None

@@ -4,9 +4,11 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from fes.errors import FesError
+from fes.extension import evidence
 from fes.extension.checked import Checked
 from fes.extension.context import LawContext
 from fes.extension.controller_laws import ControllerFormation, ControllerSeeking
+from fes.extension.evidence import Evidence
 from fes.extension.kinds import CONTROLLER, FORMATION, RULE, SEEKING, Kind
 from fes.extension.protocols import FormationLaw, NeighborRule, SeekingLaw
 from fes.extension.registry import create, is_told, load, parameters
@@ -67,6 +69,18 @@ def laws(config: AgentConfig, context: LawContext) -> Laws:
     if declared > MAX_DECLARED:
         raise FesError(f"the laws declare {declared} bytes in each beacon: at most {MAX_DECLARED} are allowed")
     return Laws(rule, formation, seeking)
+
+
+def evidence_of(config: AgentConfig) -> list[Evidence]:
+    """The evidence of all extensions that a crew with `config` uses, built-in ones aside; raises FesError."""
+    choices: list[tuple[Kind, str | Use]] = [(RULE, config.formation.rule)]
+    if config.controller is not None:
+        choices.append((CONTROLLER, config.controller))
+    else:
+        choices.append((FORMATION, config.formation.acting_law))
+        choices += [(SEEKING, config.seeking)] if isinstance(config.seeking, Use) else []
+    outside = [(kind, chosen(choice).use) for kind, choice in choices if chosen(choice).use not in kind.built_in]
+    return [evidence.of(kind, name, load(kind, name)) for kind, name in outside]
 
 
 def _settled(kind: Kind, choice: str | Use, config: AgentConfig) -> FormationConfig | None:

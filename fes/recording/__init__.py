@@ -1,4 +1,4 @@
-"""The log of a run, run.mcap: its format, its writer and its reader. See docs/reference/log.md.
+"""The log of a run, run.mcap, and that of a real robot: format, writer and reader. See docs/reference/log.md.
 
 layout         names and bounds that writer and reader share
 schemas        version of the log, and schemas of its JSON
@@ -9,6 +9,7 @@ reader         a log with its scenario and summary
 viewer_topics  messages for viewers, made from a Report
 protobuf       message types described, and messages read within bounds
 messages_pb2   message types of the log, generated from messages.proto
-writer         the process that writes the log of a run
+writer         the process that writes a log
+robot_log      the log of a real robot: what its code received and returned
 hashed_file    files hashed while they are written, and checked at the end
 """

@@ -8,6 +8,9 @@ from fes.recording import records
 
 NAME = "run.mcap"
 
+ROBOT = "/robot"
+"""Topic of the first message in the log of a robot, which the log of a run does not have."""
+
 SUMMARY = "fes.summary"
 """Name of the metadata at the end: the summary, and how the run ended."""
 

@@ -1,7 +1,7 @@
 from google.protobuf.internal import containers as _containers
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
-from typing import ClassVar as _ClassVar, Iterable as _Iterable, Optional as _Optional
+from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
 
 DESCRIPTOR: _descriptor.FileDescriptor
 
@@ -94,3 +94,35 @@ class LinkState(_message.Message):
     learnt_level: float
     learnt_exponent: float
     def __init__(self, separation: _Optional[float] = ..., estimate_ij: _Optional[float] = ..., estimate_ji: _Optional[float] = ..., outage: _Optional[float] = ..., sent: _Optional[float] = ..., decoded: _Optional[float] = ..., longest_gap: _Optional[float] = ..., learnt_reception: _Optional[float] = ..., learnt_level: _Optional[float] = ..., learnt_exponent: _Optional[float] = ...) -> None: ...
+
+class RobotStep(_message.Message):
+    __slots__ = ("tick", "beacons", "number", "monotonic_ns", "observation", "beacon", "command", "fix")
+    TICK_FIELD_NUMBER: _ClassVar[int]
+    BEACONS_FIELD_NUMBER: _ClassVar[int]
+    NUMBER_FIELD_NUMBER: _ClassVar[int]
+    MONOTONIC_NS_FIELD_NUMBER: _ClassVar[int]
+    OBSERVATION_FIELD_NUMBER: _ClassVar[int]
+    BEACON_FIELD_NUMBER: _ClassVar[int]
+    COMMAND_FIELD_NUMBER: _ClassVar[int]
+    FIX_FIELD_NUMBER: _ClassVar[int]
+    tick: int
+    beacons: _containers.RepeatedScalarFieldContainer[bytes]
+    number: int
+    monotonic_ns: int
+    observation: bytes
+    beacon: bytes
+    command: bytes
+    fix: Fix
+    def __init__(self, tick: _Optional[int] = ..., beacons: _Optional[_Iterable[bytes]] = ..., number: _Optional[int] = ..., monotonic_ns: _Optional[int] = ..., observation: _Optional[bytes] = ..., beacon: _Optional[bytes] = ..., command: _Optional[bytes] = ..., fix: _Optional[_Union[Fix, _Mapping]] = ...) -> None: ...
+
+class Fix(_message.Message):
+    __slots__ = ("stamp_ns", "x", "y", "heading")
+    STAMP_NS_FIELD_NUMBER: _ClassVar[int]
+    X_FIELD_NUMBER: _ClassVar[int]
+    Y_FIELD_NUMBER: _ClassVar[int]
+    HEADING_FIELD_NUMBER: _ClassVar[int]
+    stamp_ns: int
+    x: float
+    y: float
+    heading: float
+    def __init__(self, stamp_ns: _Optional[int] = ..., x: _Optional[float] = ..., y: _Optional[float] = ..., heading: _Optional[float] = ...) -> None: ...

@@ -14,7 +14,7 @@ from mcap.records import Metadata
 
 from fes.errors import FesError
 from fes.recording import schemas, ticks
-from fes.recording.layout import AT_ITS_END, NAME, SUMMARY
+from fes.recording.layout import AT_ITS_END, NAME, ROBOT, SUMMARY
 from fes.recording.records import Reader
 from fes.recording.ticks import LoggedTick
 from fes.system import fingerprint, strict_json
@@ -117,7 +117,7 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
     if header.get("log") != schemas.VERSION:
         version = f"{header.get('log')!r:.20}"
         raise FesError(f"{path} is a log of version {version}; this fes reads version {schemas.VERSION}")
-    ended = _metadata(path)
+    ended = metadata(path)
     try:
         summary = strict_json.loads(ended["summary"]) if ended and "summary" in ended else None
         if summary is not None and not isinstance(summary, dict):
@@ -140,7 +140,9 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
 def _scenario(path: Path) -> dict[str, Any]:
     """Scenario and versions of the run: the first message of the log."""
     with suppress(ValueError, RecursionError):
-        for topic, message in ticks.messages(path):
+        for topic, message in ticks.messages(path, (ROBOT, *ticks.TOPICS)):
+            if topic == ROBOT:
+                raise FesError(f"{path} is the log of a robot, not of a run: fes replay executes its code again")
             if topic == "/scenario":
                 header = ticks.parsed(message.data)
                 if isinstance(header, dict):
@@ -149,10 +151,10 @@ def _scenario(path: Path) -> dict[str, Any]:
     raise FesError(f"{path} is not a log of a run: it does not begin with its scenario")
 
 
-def _metadata(path: Path) -> dict[str, str] | None:
+def metadata(path: Path) -> dict[str, str] | None:
     """The metadata written when the log was closed; None if it was not. Raises FesError for a damaged log."""
-    reader, metadata = Reader(path), None
+    reader, ended = Reader(path), None
     for block in reader:
         if isinstance(block.record, Metadata) and block.record.name == SUMMARY:
-            metadata = block.record.metadata
-    return metadata if reader.has_end else None
+            ended = block.record.metadata
+    return ended if reader.has_end else None

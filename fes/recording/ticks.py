@@ -1,7 +1,7 @@
 """The ticks of a log, read from its messages."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,8 +25,8 @@ _TEAM_TOPICS: dict[str, type[_TeamMessage]] = {
 }
 """Topics with one message of all robots per tick."""
 
-_TOPICS = (*_TEAM_TOPICS, "/scenario", "/report", "/events")
-"""All topics that are read."""
+TOPICS = (*_TEAM_TOPICS, "/scenario", "/report", "/events")
+"""All topics of a run that are read."""
 
 _MAX_EVENTS = 10_000  # per tick
 
@@ -126,12 +126,15 @@ def one_line(error: Exception) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split()) if isinstance(error, KeyError) else str(error)
 
 
-def messages(path: Path) -> Iterator[tuple[str, Message]]:
-    """Topic and message, in the order of the file; of a file that was cut, up to its last complete chunk."""
+def messages(path: Path, read: Collection[str] = TOPICS) -> Iterator[tuple[str, Message]]:
+    """Topic and message of the topics that are `read`, in the order of the file.
+
+    Of a file that was cut, up to its last complete chunk.
+    """
     topics: dict[int, str] = {}
     for block in Reader(path):
         for record in block:
             if isinstance(record, Channel):
-                topics[record.id] = record.topic if record.topic in _TOPICS else ""
+                topics[record.id] = record.topic if record.topic in read else ""
             elif isinstance(record, Message) and topics[record.channel_id]:
                 yield topics[record.channel_id], record

@@ -68,15 +68,15 @@ def transforms(view: View, time: Timestamp) -> FrameTransforms:
     columns = (view.poses[:, 0], view.poses[:, 1], np.sin(half), np.cos(half))
     known = np.isfinite(view.poses).all(axis=1).tolist()
     for robot, (x, y, sine, cosine) in enumerate(np.column_stack(columns).tolist()):
-        if not known[robot]:
-            continue
-        message.transforms.add(
-            timestamp=time,
-            parent_frame_id=MAP,
-            child_frame_id=_frame(robot),
-            translation={"x": x, "y": y},
-            rotation={"z": sine, "w": cosine},
-        )
+        if known[robot]:
+            _place(message, robot, (x, y), (sine, cosine), time)
+    return message
+
+
+def transform(robot: int, pose: tuple[float, float, float], time: Timestamp) -> FrameTransforms:
+    """The pose of one robot's frame in the map [m, m, rad]."""
+    message, (x, y, heading) = FrameTransforms(), pose
+    _place(message, robot, (x, y), (math.sin(0.5 * heading), math.cos(0.5 * heading)), time)
     return message
 
 
@@ -125,9 +125,9 @@ def links(view: View, time: Timestamp) -> SceneUpdate:
     return message
 
 
-def remark(time: Timestamp, level: "Log.Level.ValueType", text: str) -> Log:
-    """One line of text."""
-    return Log(timestamp=time, level=level, message=text, name="fes-world")
+def remark(time: Timestamp, level: "Log.Level.ValueType", text: str, name: str = "fes-world") -> Log:
+    """One line of text, by the program `name`."""
+    return Log(timestamp=time, level=level, message=text, name=name)
 
 
 def robots(view: View) -> Iterator[RobotState]:
@@ -147,3 +147,16 @@ def pairs(view: View) -> Iterator[tuple[int, int, LinkState]]:
 @cache
 def _frame(robot: int) -> str:
     return f"robot_{robot}/base_link"
+
+
+def _place(
+    message: FrameTransforms, robot: int, place: tuple[float, float], turn: tuple[float, float], time: Timestamp
+) -> None:
+    """Add a robot's frame, at a place [m], turned by an angle: sine and cosine of its half."""
+    message.transforms.add(
+        timestamp=time,
+        parent_frame_id=MAP,
+        child_frame_id=_frame(robot),
+        translation={"x": place[0], "y": place[1]},
+        rotation={"z": turn[0], "w": turn[1]},
+    )

@@ -25,6 +25,7 @@ from fes.protocol.messages import Join
 from fes.protocol.world_info import version
 from fes.recording import schemas
 from fes.recording.layout import NAME
+from fes.recording.robot_log.layout import ROBOT_LOG
 from fes.system import fingerprint
 from tests.support.commands import call, complaint
 from tests.support.loop import load
@@ -91,6 +92,14 @@ def test_a_log_that_release_0_4_wrote_is_read_shown_and_compared(
         shown.advance(0.0)
     assert compare.compare(formats / "log-3", formats / "log-3") == 0
     assert capsys.readouterr().out == "every message of every tick is the same to the bit\n"
+
+
+def test_a_robots_log_of_the_first_format_is_executed_again_to_the_bit(formats: Path) -> None:
+    # of a robot that measures the channel, the laws of which have not changed since
+    done = call(formats, "fes", "replay", "robot-log-1", "--robot=1")
+    line = "robot 1, executed again: 50 ticks, the same to the bit\n"
+    assert (done.returncode, done.stdout, done.stderr) == (0, line, "")
+    assert ROBOT_LOG == 1
 
 
 def test_the_programs_name_both_versions_where_a_log_of_release_0_4_is_executed_again(formats: Path) -> None:
@@ -177,6 +186,7 @@ def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
         "log-1",
         "log-2",
         "log-3",
+        "robot-log-1",
         "scenario-0.3.toml",
         "sweep-1",
     ]

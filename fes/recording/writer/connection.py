@@ -5,6 +5,7 @@ microseconds, a few times per second. Signals do not reach it, so an interrupted
 """
 
 import contextlib
+import math
 import os
 import queue
 import select
@@ -49,7 +50,8 @@ class LogWriter:
         self._frames = deque[bytes]()
         self._given = self._handed = self._woken = 0
         self._wake = queue.SimpleQueue[bool]()  # its methods can be interrupted at any place
-        self._is_lost = self._is_over = self._is_stuck = False
+        self._is_lost = self._is_over = False
+        self._stuck_for: float | None = None
         self._requests = 0
         self._splitter = frames.Splitter()
         try:
@@ -76,7 +78,26 @@ class LogWriter:
 
     def write(self, tick: int, time: int, messages: list[Any]) -> None:
         """Add the messages of a tick at a simulated time [ns]; they reach the file within two seconds."""
-        self._give(frames.pack(0, "write", tick, time, messages))
+        self._give(frames.pack(0, "write", tick, time, messages), PATIENCE)
+
+    def offer(self, tick: int, time: int, messages: list[Any]) -> bool:
+        """Add messages as `write` does, and never wait: False where the writer is too far behind, or has ended.
+
+        Then nothing is added.
+        """
+        if self._is_over or self._is_lost or self._given - self._handed > BACKLOG:
+            return False
+        self._put(frames.pack(0, "write", tick, time, messages))
+        return True
+
+    @property
+    def is_lost(self) -> bool:
+        """True once the writer has ended before its time; `failure` has the reason."""
+        return self._is_lost or self._is_over
+
+    def failure(self) -> FesError:
+        """The error that ended a writer that is lost; it may wait for the end of that process."""
+        return self._failure()
 
     def position(self) -> tuple[int, str]:
         """Close the chunk; returns the size of the file [bytes], and the SHA-256 of all its bytes."""
@@ -86,25 +107,29 @@ class LogWriter:
     def copy(self, path: Path, size: int) -> None:
         """Copy all messages in the first `size` bytes of another log, and verify the copy."""
         try:
-            self._ask("copy", str(path), size, patience=None)
+            self._ask("copy", str(path), size, patience=math.inf)
         except BaseException:
             if not self._is_over:  # it was interrupted
                 self._process.kill()
                 self._end()
             raise
 
-    def finish(self, ended: dict[str, str]) -> str | None:
-        """Close the file with its summary; returns damage by other programs, in words."""
+    def finish(self, ended: dict[str, str], patience: float | None = None) -> str | None:
+        """Close the file with its summary, after at most `patience` [s] without progress, by default PATIENCE.
+
+        Returns damage by other programs, in words.
+        """
         if self._is_over:
             return None
         try:
-            loss: str | None = self._ask("finish", ended)
+            loss: str | None = self._ask("finish", ended, patience=patience)
             return loss
         finally:
-            self._end()
+            if not self._is_over:  # a failure has ended it
+                self._end()
 
-    def _give(self, frame: bytes) -> None:
-        """Let the thread hand over a frame, as soon as the writer is not too far behind."""
+    def _give(self, frame: bytes, patience: float) -> None:
+        """Let the thread hand over a frame, as soon as the writer is not too far behind; `patience` [s]."""
         if self._is_over:
             return  # the error was raised before
         stalled, before = 0.0, self._handed
@@ -112,31 +137,35 @@ class LogWriter:
             time.sleep(_PAUSE)
             stalled = stalled + _PAUSE if self._handed == before else 0.0
             before = self._handed
-            if stalled > PATIENCE:
-                self._kill()
+            if stalled > patience:
+                self._kill(patience)
         if self._is_lost:
             raise self._failure()
+        self._put(frame)
+
+    def _put(self, frame: bytes) -> None:
         self._frames.append(frame)
         self._given += len(frame)
         if self._given - self._woken > BATCH:
             self._woken = self._given
             self._wake.put(True)
 
-    def _ask(self, method: str, *arguments: Any, patience: float | None = PATIENCE) -> Any:
-        """The writer's answer to a request, after all frames so far; `patience` [s] of None waits for any time."""
+    def _ask(self, method: str, *arguments: Any, patience: float | None = None) -> Any:
+        """The writer's answer to a request, after all frames so far; `patience` [s] is PATIENCE by default."""
+        patience = PATIENCE if patience is None else patience
         if self._is_over:
             raise self._failure()
         self._requests += 1
-        self._give(frames.pack(self._requests, method, *arguments))
+        self._give(frames.pack(self._requests, method, *arguments), min(patience, PATIENCE))
         self._wake.put(True)
         stalled, before = 0.0, self._handed
-        while patience is None or stalled <= patience:
+        while stalled <= patience:
             for request, result in self._received(10 * PERIOD):
                 if request == self._requests:  # else it answers a request that was interrupted
                     return result
             stalled = stalled + 10 * PERIOD if self._handed == before else 0.0
             before = self._handed
-        self._kill()
+        self._kill(patience)
         raise self._failure()
 
     def _received(self, timeout: float) -> list[list[Any]]:
@@ -160,13 +189,13 @@ class LogWriter:
         texts = [str(text) for request, text in answers if request == frames.FAILED]
         code = self._end()
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        if self._is_stuck:
-            how = f"made no progress for {PATIENCE} s"
+        if self._stuck_for is not None:
+            how = f"made no progress for {self._stuck_for:g} s"
         return FesError(texts[0] if texts else f"cannot write {self._path}: the process that writes it {how}")
 
-    def _kill(self) -> None:
-        """End a writer that makes no progress."""
-        self._is_stuck = True
+    def _kill(self, patience: float) -> None:
+        """End a writer that made no progress for `patience` [s]."""
+        self._stuck_for = patience
         self._process.kill()
 
     def _end(self) -> int:

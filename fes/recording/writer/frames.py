@@ -22,6 +22,10 @@ PACKED = "packed"
 """Kinds of messages: [SCENARIO, JSON], [BODIES, robots], [PAYLOADS, observations, beacons, commands], [PACKED, data,
 ends], [EVENT, JSON], [REMARK, level, text], [REPORT, payload, numbers, arrays for viewers or None]."""
 
+ROBOT, STEP, ROBOT_EVENT = "robot", "step", "robot event"
+"""Kinds of messages of a robot's log: [ROBOT, JSON, level, text], [STEP, arguments of `robot_log.topics.step`],
+[ROBOT_EVENT, JSON, level, text]. The texts are remarks for viewers."""
+
 INFO, WARNING = 2, 3
 """Levels of a remark, as `foxglove.Log` numbers them."""
 

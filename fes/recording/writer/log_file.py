@@ -12,8 +12,20 @@ from google.protobuf.message import Message
 from fes.recording import messages_pb2, schemas, viewer_topics
 from fes.recording.layout import SUMMARY, PackedPayloads
 from fes.recording.mcap_file import McapFile
+from fes.recording.robot_log import layout, topics
 from fes.recording.viewer_topics import View
-from fes.recording.writer.frames import BODIES, EVENT, PACKED, PAYLOADS, REMARK, REPORT, SCENARIO
+from fes.recording.writer.frames import (
+    BODIES,
+    EVENT,
+    PACKED,
+    PAYLOADS,
+    REMARK,
+    REPORT,
+    ROBOT,
+    ROBOT_EVENT,
+    SCENARIO,
+    STEP,
+)
 
 if TYPE_CHECKING:
     from foxglove_schemas_protobuf.Log_pb2 import Log
@@ -32,6 +44,7 @@ class LogFile:
         """`fileno` is the number of the file if it is open already."""
         self._file = McapFile(path, fileno)
         self._tick = self._time = 0
+        self._view = topics.View()
         self._put_kind: dict[str, Callable[..., None]] = {
             SCENARIO: self._scenario,
             BODIES: self._bodies,
@@ -40,6 +53,9 @@ class LogFile:
             EVENT: self._event,
             REMARK: self._remark,
             REPORT: self._report,
+            ROBOT: self._robot,
+            STEP: self._step,
+            ROBOT_EVENT: self._robot_event,
         }
 
     @property
@@ -48,11 +64,16 @@ class LogFile:
         return self._file.fileno
 
     def write(self, tick: int, time: int, messages: list[Any]) -> None:
-        """Add the messages of a tick at a simulated time [ns], in order; those with the scenario are a chunk."""
+        """Add the messages of a tick at a simulated time [ns], in order; a header is a chunk."""
         self._tick, self._time = tick, time
         for kind, *content in messages:
             self._put_kind[kind](*content)
-        self._file.settle(at_once=messages[0][0] == SCENARIO)
+        self._file.settle(at_once=messages[0][0] in (SCENARIO, ROBOT))
+
+    def offer(self, tick: int, time: int, messages: list[Any]) -> bool:
+        """Add messages as `write` does; True, since a file in this process is never behind."""
+        self.write(tick, time, messages)
+        return True
 
     def settle(self) -> None:
         """Close the chunk if it is old enough."""
@@ -66,8 +87,11 @@ class LogFile:
         """Copy all messages in the first `size` bytes of another log."""
         self._file.copy(Path(path), size)
 
-    def finish(self, ended: dict[str, str]) -> str | None:
-        """Close the file with its summary; returns damage by other programs, in words."""
+    def finish(self, ended: dict[str, str], patience: float = 0.0) -> str | None:
+        """Close the file with its summary; returns damage by other programs, in words.
+
+        A file in this process needs no `patience`.
+        """
         self._file.finish(SUMMARY, ended)
         return self._file.loss
 
@@ -105,6 +129,24 @@ class LogFile:
             self._put(f"/robot/{robot}/state", state)
         for a, b, link in viewer_topics.pairs(view):
             self._put(f"/link/{a}-{b}/state", link)
+
+    def _robot(self, text: bytes, level: "Log.Level.ValueType", remark: str) -> None:
+        self._file.put(layout.HEADER, layout.HEADER_SCHEMA, text, self._time, self._tick)
+        self._remark_of_robot(level, remark)
+
+    def _step(self, *step: Any) -> None:
+        message = topics.step(*step)
+        self._put(layout.STEPS, message)
+        for topic, shown in self._view.of(message.observation, message.command, self._time):
+            self._put(topic, shown)
+
+    def _robot_event(self, text: bytes, level: "Log.Level.ValueType", remark: str) -> None:
+        self._file.put(layout.EVENTS, layout.EVENT_SCHEMA, text, self._time, self._tick)
+        self._remark_of_robot(level, remark)
+
+    def _remark_of_robot(self, level: "Log.Level.ValueType", text: str) -> None:
+        time = viewer_topics.timestamp(self._time)
+        self._put("/log", viewer_topics.remark(time, level, text, name="fes-robot"))
 
     def _put(self, topic: str, message: Message) -> None:
         self._file.put(topic, type(message), message.SerializeToString(), self._time, self._tick)
