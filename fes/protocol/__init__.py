@@ -5,7 +5,8 @@ wire            fields of a payload, packed and checked
 messages        Welcome, Observation, Beacon and Command
 packing         payloads of the messages of each tick, from bytes
 report          Report: the state of the team, for observers
-robot_control     operator and gates of real robots: permit and state
+robot_control   operator and gates of real robots: permit and state
+older           payloads of logs of protocol 3
 world_info      the world's description of itself
 channel_change  a request to change the channel, and its result
 """
