@@ -11,7 +11,9 @@ from fes.arrays.types import Floats, Ints
 
 TERMS = 12
 
-_BLOCK = 4  # ticks drawn at a time, as the generator's counters come
+_STEP = 4  # blocks begin and end in steps of so many ticks, as the generator's counters do
+_BLOCK = 64  # ticks drawn at a time
+_MOST = 1 << 20  # largest number of uniform numbers in a block, unless it has the fewest ticks
 
 
 class Normals:
@@ -20,19 +22,23 @@ class Normals:
     def __init__(self, seed: int, stream: str, robots: int, columns: int) -> None:
         """Each robot gets `columns` numbers per tick."""
         self._key: Ints = draws.key(seed, stream)
-        self._shape = TERMS, columns, robots
-        ids, terms = np.arange(robots), np.arange(TERMS * columns)
-        self._senders, self._receivers = np.tile(ids, len(terms)), np.repeat(terms, robots)
-        self._first = -_BLOCK
-        self._block: Floats = np.zeros((0, 0))
+        ids, terms = np.arange(robots), np.arange(TERMS * columns).reshape(columns, TERMS).T
+        self._shape = TERMS, robots, columns
+        self._senders = np.broadcast_to(ids[:, None], self._shape).reshape(-1)
+        self._receivers = np.broadcast_to(terms[:, None, :], self._shape).reshape(-1)
+        self._length = max(_STEP, min(_BLOCK, _MOST // len(self._senders) // _STEP * _STEP))
+        self._first = -self._length
+        self._block: Floats = np.zeros((0, robots, columns))
 
     def at(self, tick: int) -> Floats:
         """The numbers of a tick [n, columns]."""
-        if not self._first <= tick < self._first + _BLOCK:
-            self._first = tick - tick % _BLOCK
-            self._block = draws.uniform_ticks(self._key, self._first, _BLOCK, self._senders, self._receivers)
-        uniform = self._block[tick - self._first].reshape(self._shape)
-        total = uniform[0] - 6.0
-        for term in range(1, TERMS):
-            total = total + uniform[term]
-        return total.T
+        if not self._first <= tick < self._first + self._length:
+            self._first = tick - tick % self._length
+            drawn = draws.uniform_ticks(self._key, self._first, self._length, self._senders, self._receivers)
+            uniform = drawn.reshape(-1, *self._shape)
+            total = uniform[:, 0] - 6.0
+            for term in range(1, TERMS):
+                total = total + uniform[:, term]
+            self._block = total
+        numbers: Floats = self._block[tick - self._first]
+        return numbers
