@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from agents.control import clocks, contacts, links, motion, separation, transmitter
+from agents.control import clocks, contacts, links, localization, motion, separation, transmitter
 from agents.control.links import Links
 from agents.control.state import Crew, CrewState
 from fes.arrays import geometry
@@ -45,7 +45,8 @@ def create(config: AgentConfig, ids: Ints, draws: Draws | None = None) -> Crew:
     laws = crew_laws.laws(config, context)
     estimates = getattr(laws.seeking, "estimates", None)
     timeout = counts.ticks_within(config.formation.contact_timeout, config.dt)
-    return Crew(config, ids, *laws, estimates, timeout, emulated, transmitter.of(config, ids))
+    transmitters, localizer = transmitter.of(config, ids), localization.of(config)
+    return Crew(config, ids, *laws, estimates, timeout, emulated, transmitters, localizer)
 
 
 def start(crew: Crew) -> CrewState:
@@ -53,7 +54,8 @@ def start(crew: Crew) -> CrewState:
     n, never = len(crew.ids), np.full(len(crew.ids), np.iinfo(np.int64).max // 2)
     formed, sought = crew.formation.start(), crew.seeking.start()
     none = contacts.no_contacts(crew.ids, crew.seeking.statistics, crew.formation.declared + crew.seeking.declared)
-    return CrewState(np.zeros((n, 3)), none, links.no_links(crew.ids), formed, sought, never, never, {})
+    known_links, located = links.no_links(crew.ids), localization.start(n)
+    return CrewState(np.zeros((n, 3)), none, known_links, formed, sought, never, never, {}, located)
 
 
 def forget(crew: Crew, state: CrewState, restarted: Bools) -> CrewState:
@@ -69,6 +71,7 @@ def forget(crew: Crew, state: CrewState, restarted: Bools) -> CrewState:
         np.where(restarted, blank.linked_since, state.linked_since),
         np.where(restarted, blank.since, state.since),
         transmitter.forget(state.unsent, restarted),
+        localization.forget(state.located, restarted),
     )
 
 
@@ -81,7 +84,8 @@ def step(
     Returns the next state, the beacons that are transmitted at this tick, the twists [n, 2] [m/s, rad/s], and the
     telemetry. Raises FesError for a twist that is not finite.
     """
-    since = np.minimum(state.since, sensed.tick)
+    located = localization.locate(crew.localizer, state.located, sensed)
+    sensed, since = localization.sensed(crew.localizer, located), np.minimum(state.since, sensed.tick)
     known = contacts.update(state.contacts, received, state.poses, crew.contact_timeout)
     selected = crew.rule(known)
     used = links.among(state.links, state.contacts, known, selected | (known.selected_by_peer & known.known))
@@ -98,7 +102,8 @@ def step(
     telemetry = _telemetry(beacons, published, formed)
     beacons, unsent = transmitter.send(crew.transmitters, state.unsent, beacons)
     sought = crew.seeking.seek(sought, around)
-    after = CrewState(sensed.poses, known, used, formed.state, sought, linked_since, since, unsent)
+    located = localization.command(located, twists)
+    after = CrewState(sensed.poses, known, used, formed.state, sought, linked_since, since, unsent, located)
     return after, beacons, twists, telemetry
 
 

@@ -9,6 +9,7 @@ docs/explanation/safe-separation.md has the conditions and the proof.
 3. `slow_down` bounds the linear speed of every twist, also of twists that a law returns.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,10 @@ def near(contacts: Contacts, sensed: Sensed, dt: float, config: FormationConfig)
     dy = contacts.y - sensed.poses[:, geometry.Y].take(edges.rows)
     distance = geometry.separation(dx, dy)
     reach = limit * dt * (sensed.tick - contacts.heard).astype(np.float64)
-    room = distance - config.safe_separation - reach
+    safe: Floats | float = config.safe_separation
+    if sensed.deviation is not None:  # of both ends: the peer has the same sensor
+        safe = safe + math.sqrt(2.0) * sensed.deviation.take(edges.rows)
+    room = distance - safe - reach
     # Farther away, the bound is at least the largest speed.
     is_near = contacts.known & (0.5 * config.separation_gain * room < limit)
     pairs = edges.select(is_near)

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from agents.control.clocks import Clocks
 from agents.control.links import Links
+from agents.control.localization import Located, Localizer
 from agents.control.transmitter import Memory, Transmitters
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
@@ -30,13 +31,14 @@ class Crew:
     """Ticks without a beacon after which a peer is no longer known."""
     clocks: Clocks
     transmitters: Transmitters
+    localizer: Localizer
 
 
 class CrewState(NamedTuple):
     """The state that a crew carries from tick to tick."""
 
     poses: Floats
-    """Own poses at the previous tick [n, 3]."""
+    """Own poses at the previous tick, as the robots believe [n, 3]."""
     contacts: Contacts
     links: Links
     formation: Any
@@ -49,3 +51,4 @@ class CrewState(NamedTuple):
     """Tick of each robot's first step [n]; a large number before."""
     unsent: Memory
     """The contents that late transmitters have not sent yet."""
+    located: Located

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.control import localization
 from agents.control.links import Links
 from agents.control.state import Crew, CrewState
 from agents.core.constants import ALONE, POOLED, CrewConstants
@@ -111,9 +112,9 @@ def unpacked(stored: Stored, crew: Crew, constants: CrewConstants) -> CrewState:
         seeking = Measured(view("seeking", links), ahead, fit)
     else:
         seeking = view("seeking", 3, layout.capacity)[:, :links].copy()
-    return CrewState(
-        view("poses", n, 3), contacts, used, None, seeking, view("linked_since", n), view("since", n), {}
-    )
+    poses, since = view("poses", n, 3), view("since", n)
+    located = localization.start(n)  # `agents.runtime.crew_run` has it
+    return CrewState(poses, contacts, used, None, seeking, view("linked_since", n), since, {}, located)
 
 
 def packed(state: CrewState, layout: Layout) -> Stored:

@@ -93,6 +93,25 @@ class CompiledCrew:
         self.stored = buffer.packed(state, self._layout(len(state.contacts.edges)))
         self._links, self._sent = state.links.edges, None
 
+    @property
+    def twists(self) -> Floats:
+        """The twists of the last tick [n, 2]."""
+        buffer_, layout = self.stored
+        return layout.view(buffer_, "twists", (len(self.crew.ids), 2)).copy()
+
+    @property
+    def poses(self) -> Floats:
+        """The poses of the last tick [n, 3]."""
+        buffer_, layout = self.stored
+        return layout.view(buffer_, "poses", (len(self.crew.ids), 3)).copy()
+
+    @property
+    def has_stepped(self) -> Bools:
+        """True for a robot that has had a tick since it knew nothing [n]."""
+        buffer_, layout = self.stored
+        never: Bools = layout.view(buffer_, "since", len(self.crew.ids)) < np.iinfo(np.int64).max // 2
+        return never
+
     def forget(self, restarted: Bools) -> None:
         """Let the robots `restarted` [n] know nothing."""
         self.state = numpy_crew.forget(self.crew, self.state, restarted)

@@ -51,6 +51,8 @@ def of(crew: Crew) -> CrewConstants | None:
     if not known or not _streams(result, context, owned):
         return None
     _common(result, crew, context, owned)
+    if result.safe_separation >= 0.0 and not crew.localizer.believes_fixes:
+        return None  # the safe separation grows with the deviation of a pose
     return CrewConstants(result, owned)
 
 

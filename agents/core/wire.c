@@ -42,13 +42,14 @@ static int read_codes(Blob blob, u8 *codes, i64 count, u8 highest) {
 
 /* The observation of one robot; its peers follow those of the robots before it. */
 static int read_observation(const Crew *crew, Messages *messages, Input *input, i64 row, const u8 *payload) {
-    Reader reader = read_message(payload, messages->observation_lengths[row], messages->version, 9);
+    Reader reader = read_message(payload, messages->observation_lengths[row], messages->version, 10);
     i64 tick = read_integer(&reader, MAX_TICK), robot = read_integer(&reader, MAX_ID), first = messages->begin[row];
     for (int i = 0; i < POSE; i++) messages->poses[POSE * row + i] = read_number(&reader, LARGEST_NUMBER);
     Blob peers = read_blob(&reader), reception = read_blob(&reader);
     int is_running = read_code(&reader) == 0xc2; /* not over */
-    i64 since = read_integer(&reader, MAX_TICK);
-    if (!is_read(&reader) || !is_running || robot != crew->ids[row] || tick != input->tick ||
+    i64 since = read_integer(&reader, MAX_TICK), fixed = read_integer(&reader, MAX_TICK);
+    /* the crew computes with the fixes of its tick: Python locates a robot with another one */
+    if (!is_read(&reader) || fixed != tick || !is_running || robot != crew->ids[row] || tick != input->tick ||
         since != messages->since[row])
         return UNUSUAL;
     if (peers.length / 4 > messages->pairs - first) return TOO_LITTLE_ROOM;
@@ -173,12 +174,13 @@ u8 *wire_write_observations(const Crew *crew, const Messages *messages, const In
     for (i64 robot = 0; robot < crew->robots; robot++) {
         i64 first = input->begin[robot], count = input->begin[robot + 1] - first;
         if (sending->present[robot]) {
-            Writer writer = started(crew, messages, input->tick, robot, place, 9);
+            Writer writer = started(crew, messages, input->tick, robot, place, 10);
             for (int i = 0; i < POSE; i++) write_number(&writer, input->poses[POSE * robot + i]);
             write_ids(&writer, input->in_range + first, count);
             write_blob(&writer, input->reception + first, count);
             *writer.next++ = 0xc2; /* not over */
             write_integer(&writer, messages->since[robot]);
+            write_integer(&writer, input->tick); /* the fix is of this tick */
             place = writer.next;
         }
         sending->ends[robot] = place - messages->out;

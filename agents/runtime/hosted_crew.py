@@ -26,7 +26,8 @@ class HostedCrew:
         self._since = np.zeros(len(ids), dtype=np.int64)
         """Tick from which each robot takes part [n]."""
         compiled = self._crew.compiled
-        self._bytes = None if compiled is None else ByteCrew(compiled, wire.PROTOCOL)
+        is_read = compiled is not None and self._crew.crew.localizer.is_exact
+        self._bytes = ByteCrew(compiled, wire.PROTOCOL) if compiled is not None and is_read else None
 
     @property
     def is_compiled(self) -> bool:
@@ -50,7 +51,10 @@ class HostedCrew:
         if self._bytes is None or not self.is_compiled:
             return None
         payloads = self._bytes.step(tick, observations, beacons, self._since, is_model_free())
-        return None if payloads is None else transmitter.on_air(self._crew.crew.transmitters, tick, payloads)
+        if payloads is None:
+            return None
+        self._crew.at_fixes(tick)
+        return transmitter.on_air(self._crew.crew.transmitters, tick, payloads)
 
     def observe(self, received: list[Observation]) -> Observations:
         """The observations of one tick, one per robot in id order, as arrays; robots that were absent start anew."""

@@ -30,7 +30,10 @@ class MessageAssembler:
         edges = self._in_range.edges(self._ids, [message.in_range for message in received])
         poses = np.array([message.pose for message in received])
         reception = _joined([message.reception for message in received])
-        return Observations(received[0].tick, poses, edges, reception)
+        tick = received[0].tick
+        is_new = all(message.fixed is None or message.fixed == tick for message in received)
+        fixed = None if is_new else np.array([tick if one.fixed is None else one.fixed for one in received])
+        return Observations(tick, poses, edges, reception, fixed)
 
     def beacons(self, tick: int, received: list[Beacon]) -> Beacons:
         """The beacons of one tick, in id order of their senders, as arrays."""

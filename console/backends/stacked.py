@@ -160,6 +160,7 @@ class _Joined:
             np.concatenate([observations.poses for observations in sensed]),
             self._in_range([observations.in_range for observations in sensed]),
             np.concatenate([observations.reception for observations in sensed]),
+            _ticks(sensed),
         )
 
     def _in_range(self, parts: list[Edges]) -> Edges:
@@ -169,6 +170,15 @@ class _Joined:
             peers = np.concatenate([part.peers + offset for part, offset in zip(parts, first, strict=True)])
             self._parts, self._edges = parts, Edges(self._ids, rows, peers)
         return self._edges
+
+
+def _ticks(sensed: list[Observations]) -> Ints | None:
+    """Tick at which each pose was measured; None if all were at this tick."""
+    if all(observations.fixed is None for observations in sensed):
+        return None
+    return np.concatenate([
+        np.full(len(one.poses), one.tick) if one.fixed is None else one.fixed for one in sensed
+    ])
 
 
 class _Split:

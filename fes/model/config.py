@@ -162,6 +162,26 @@ class FormationConfig(OwnTable):
         return self
 
 
+class SensorConfig(OwnTable):
+    """The data sheet of the robots' sensors and bodies, as far as it is told to the robots."""
+
+    pose_noise: NonNegative = 0.0
+    """Standard deviation of a fix along x and y [m]."""
+    heading_noise: NonNegative = 0.0
+    """Standard deviation of the heading of a fix [rad]."""
+    actuator_lag: NonNegative = 0.0
+    """Time constant with which the body follows a command [s]."""
+
+
+class LocalizationConfig(OwnTable):
+    """The way from fixes to the pose with which a robot computes."""
+
+    filter: Literal["dead_reckoning", "none"] = "dead_reckoning"
+    """`dead_reckoning`: the pose follows the robot's own commands, and each new fix corrects it by a share that
+    follows from its noise; exact fixes at each tick are the pose itself. `none`: the pose is the fix as sensed, also
+    if it is old."""
+
+
 class FaultConfig(OwnTable):
     """Faults of a robot's transmitter and clock from a tick on; a later entry of the same robot replaces them."""
 
@@ -194,6 +214,10 @@ class AgentConfig(OwnTable):
     """The true channel, for laws that are told it."""
     controller: Choice | None = None
     """A whole robot in plain Python, which replaces both laws; none by default."""
+    sensors: SensorConfig = SensorConfig()
+    """The data sheet of sensors and bodies."""
+    localization: LocalizationConfig = LocalizationConfig()
+    """The way from fixes to poses."""
     clock: Clock = "lockstep"
     clock_skew: NonNegative = 0.0
     """Largest skew of a robot's own clock [s]; a robot draws its skew from the seed."""

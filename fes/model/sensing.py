@@ -49,7 +49,11 @@ class Sensed(NamedTuple):
 
     tick: int
     poses: Floats
-    """Own poses at this tick [n, 3] [m, m, rad; world frame]."""
+    """Own poses, as measured last [n, 3] [m, m, rad; world frame]."""
+    fixed: Ints | None = None
+    """Tick at which each pose was measured [n]; None: all at this tick."""
+    deviation: Floats | None = None
+    """Standard deviation of each robot's own position along x and y [n] [m]; None: the poses are exact."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,16 +62,18 @@ class Observations:
 
     tick: int
     poses: Floats
-    """Own poses at this tick [n, 3] [m, m, rad; world frame]."""
+    """Own poses, as measured last [n, 3] [m, m, rad; world frame]."""
     in_range: Edges
     """Peers within communication range at this tick [m]."""
     reception: Bytes
     """Reception of each peer's beacon of the previous tick: CLOSED, LOST or DECODED [m]."""
+    fixed: Ints | None = None
+    """Tick at which each pose was measured [n]; None: all at this tick."""
 
     @property
     def sensed(self) -> Sensed:
         """The measurements alone."""
-        return Sensed(self.tick, self.poses)
+        return Sensed(self.tick, self.poses, self.fixed)
 
 
 class Received(NamedTuple):

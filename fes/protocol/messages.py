@@ -66,6 +66,8 @@ class Observation(NamedTuple):
     over: bool
     since: int
     """Tick from which the robot takes part. If it has changed, the robot was absent, and starts without state."""
+    fixed: int | None = None
+    """Tick at which `pose` was measured, at most `tick`: earlier where a fix is old or held. None: at `tick`."""
 
 
 class Beacon(NamedTuple):
@@ -109,23 +111,27 @@ class Command(NamedTuple):
 def encode_observation(message: Observation) -> bytes:
     """The payload of an Observation."""
     in_range, reception = wire.id_bytes(message.in_range), message.reception.tobytes()
+    fixed = message.tick if message.fixed is None else message.fixed
     return packing.pack_observation(
-        message.tick, message.robot, message.pose, in_range, reception, message.over, message.since
+        message.tick, message.robot, message.pose, in_range, reception, message.over, message.since, fixed
     )
 
 
 def decode_observation(payload: bytes) -> Observation:
     """The Observation in a payload."""
     name = "Observation"
-    tick, robot, x, y, heading, in_range, reception, over, since = wire.unpack(name, payload, 9)
+    tick, robot, x, y, heading, in_range, reception, over, since, fixed = wire.unpack(name, payload, 10)
     peers = wire.ids(name, in_range)
+    stamp = wire.stamp(name, tick, robot)
+    wire.check(name, wire.tick(name, fixed) <= tick, "expects a pose measured at its tick or before", fixed)
     return Observation(
-        *wire.stamp(name, tick, robot),
+        *stamp,
         wire.finite(name, (x, y, heading)),
         peers,
         wire.codes(name, reception, len(peers), DECODED),
         wire.flag(name, over),
         wire.tick(name, since),
+        fixed,
     )
 
 

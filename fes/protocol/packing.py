@@ -25,10 +25,17 @@ def robot_code(robot: int) -> bytes:
 
 
 def pack_observation(
-    tick: int, robot: int, pose: Iterable[float], in_range: bytes, reception: bytes, over: bool, since: int
+    tick: int,
+    robot: int,
+    pose: Iterable[float],
+    in_range: bytes,
+    reception: bytes,
+    over: bool,
+    since: int,
+    fixed: int,
 ) -> bytes:
     """The payload of an Observation whose arrays are bytes already."""
-    return wire.pack(tick, robot, *pose, in_range, reception, over, since)
+    return wire.pack(tick, robot, *pose, in_range, reception, over, since, fixed)
 
 
 def pack_beacon(

@@ -19,7 +19,7 @@ import numpy as np
 from fes.arrays.types import Bytes, Floats, Ints
 from fes.errors import MessageError
 
-PROTOCOL = 3
+PROTOCOL = 4
 """Version of the messages: increase it with each change of a message, or of the mark beside one."""
 MAX_PAYLOAD = 1 << 20
 """Longest payload that is decoded [bytes]."""

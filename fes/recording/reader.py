@@ -62,12 +62,14 @@ class Log(Generic[S]):
     """Evidence of each extension (`fes.extension.evidence`)."""
     fes_version: str | None = None
     """Version of fes that recorded it, if it is known."""
+    version: int = schemas.VERSION
+    """Version of the log's format."""
 
     def ticks(self) -> Iterator[LoggedTick]:
         """Its ticks, in order; of a log without an end the complete ones. Raises FesError."""
         count = 0
         try:
-            for expected, tick in enumerate(ticks.read(self.path, self.scenario.robots.number)):
+            for expected, tick in enumerate(ticks.read(self.path, self.scenario.robots.number, self.version)):
                 if tick.number != expected:
                     raise FesError(f"{self.path}: after tick {expected - 1} comes tick {tick.number}")
                 if expected >= self.scenario.ticks:
@@ -114,9 +116,9 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
     if path is None:
         raise FesError(f"{target} has no {NAME}: the run was not recorded")
     header = _scenario(path)
-    if header.get("log") != schemas.VERSION:
-        version = f"{header.get('log')!r:.20}"
-        raise FesError(f"{path} is a log of version {version}; this fes reads version {schemas.VERSION}")
+    if (version := header.get("log")) not in range(schemas.READABLE, schemas.VERSION + 1):
+        readable = f"versions {schemas.READABLE} and {schemas.VERSION}"
+        raise FesError(f"{path} is a log of version {version!r:.20}; this fes reads {readable}")
     ended = metadata(path)
     try:
         summary = strict_json.loads(ended["summary"]) if ended and "summary" in ended else None
@@ -128,8 +130,8 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
             raise TypeError("its name and backend are texts")
         how = ended["ended"] if ended else None
         names = header["name"], header["backend"]
-        version = header.get("versions", {}).get("fes")
-        log = Log(path, *names, scenario, summary, how, header["arithmetic"], header["extensions"], version)
+        by = header.get("versions", {}).get("fes")
+        log = Log(path, *names, scenario, summary, how, header["arithmetic"], header["extensions"], by, version)
     except ticks.UNREADABLE as error:
         raise FesError(f"{path}: what it says of its run cannot be read: {ticks.one_line(error)}") from None
     if next(log.ticks(), None) is None:

@@ -1,8 +1,11 @@
 """Version of the log, and the JSON schemas of its texts; messages.proto has its other messages."""
 
-VERSION = 3
+VERSION = 4
 """Version of the log as a whole: readers of another version cannot read it. Since 2 it names the arithmetic,
-since 3 the extensions."""
+since 3 the extensions, since 4 the tick of each fix."""
+
+READABLE = 3
+"""Oldest version that is read: its payloads are those of the present one but for that tick (`fes.protocol.older`)."""
 
 SCENARIO = {
     "title": "fes.Scenario",

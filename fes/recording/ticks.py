@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 from mcap.records import Channel, Message
 
 from fes.errors import FesError, MessageError
+from fes.protocol import older
 from fes.protocol.report import Report, decode_report
-from fes.recording import messages_pb2, protobuf
+from fes.recording import messages_pb2, protobuf, schemas
 from fes.recording.layout import MAX_JSON, TickPayloads
 from fes.recording.messages_pb2 import Beacons, Commands, Observations
 from fes.recording.records import Reader
@@ -49,8 +50,9 @@ class LoggedTick(NamedTuple):
     """The Report of this tick; most ticks have none."""
 
 
-def read(path: Path, robots: int) -> Iterator[LoggedTick]:
-    """The ticks of a file; raises FesError, or an error of UNREADABLE."""
+def read(path: Path, robots: int, version: int = schemas.VERSION) -> Iterator[LoggedTick]:
+    """The ticks of a file of a log of this `version`; raises FesError, or an error of UNREADABLE."""
+    is_older = version < schemas.VERSION
     for number, contents in itertools.groupby(_numbered(path), key=itemgetter(0)):
         payloads, changes = dict[str, list[bytes]](), {"person": list[tuple[str, Any]](), "schedule": []}
         attended: list[list[int]] = []
@@ -61,7 +63,8 @@ def read(path: Path, robots: int) -> Iterator[LoggedTick]:
                 payloads[topic] = _payloads(path, topic, content, number, robots)
             elif topic == "/report":
                 try:
-                    report = decode_report(protobuf.parse(messages_pb2.Report, content).payload)
+                    payload = protobuf.parse(messages_pb2.Report, content).payload
+                    report = decode_report(older.renewed(payload) if is_older else payload)
                 except MessageError as error:
                     raise FesError(f"{path}: tick {number}: {error}") from None
             elif (event := parsed(content))["tick"] == number:
@@ -77,7 +80,17 @@ def read(path: Path, robots: int) -> Iterator[LoggedTick]:
             if topic not in payloads:
                 raise FesError(f"{path}: tick {number} has no message on {topic}")
         ordered = TickPayloads(*(payloads[topic] for topic in _TEAM_TOPICS))
+        ordered = _renewed(ordered, number) if is_older else ordered
         yield LoggedTick(number, ordered, changes["person"], changes["schedule"], attended, report)
+
+
+def _renewed(payloads: TickPayloads, number: int) -> TickPayloads:
+    """The payloads of a tick of an older log, as this version has them."""
+    return TickPayloads(
+        [older.renewed_observation(payload, number) for payload in payloads.observations],
+        [older.renewed(payload) for payload in payloads.beacons],
+        [older.renewed(payload) for payload in payloads.commands],
+    )
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str, _TeamMessage | bytes]]:

@@ -92,7 +92,7 @@ def test_a_world_of_another_version_is_a_finding_with_both_versions() -> None:
     with pytest.raises(MessageError) as caught:
         world_info.decode_world_info(newer)
     [finding] = network.versions(caught.value)
-    assert (finding.status, finding.seen) == (Status.FAILED, "About: speaks protocol 3, got version: 1")
+    assert (finding.status, finding.seen) == (Status.FAILED, "About: speaks protocol 4, got version: 1")
     package, *_ = network.versions(Answer(0.0, 0.0, WorldInfo("0.0.1", "1.0", 3, 0.0)))
     assert package.status == Status.WARNING
     assert "fes 0.0.1" in package.seen

@@ -136,7 +136,7 @@ def test_a_flood_of_queries_is_rejected_and_changes_no_digit() -> None:
     assert {
         "robot 2 is hosted by another agent already",
         "Join: is not msgpack (FormatError)",
-        "Join: speaks protocol 3, got version: 1",
+        "Join: speaks protocol 4, got version: 1",
         "the channel: unknown field 'channel.no_such'; fes schema lists the fields",
         "Recall: tick must be an integer from 0: 'tick'",
         "robot 4 does not remember its beacon of tick 1000000000",

@@ -24,7 +24,7 @@ from tests.support.loop import load
 from world.config.scenario import Scenario
 from world.metrics import summary as summaries
 from world.metrics.collector import MetricsCollector
-from world.simulation import unicycle
+from fes.model import kinematics
 
 SMALLEST, LARGEST = 5e-324, 1.7e308
 PAIR = Edges(np.array([0, 1]), np.array([0, 1]), np.array([1, 0]))
@@ -68,7 +68,7 @@ def after(gain_per_tick: float, ticks: int) -> Floats:
         errors.append(apart - wanted)
         bearing = np.array([[1.0, -1.0], [0.0, 0.0]])
         vector = formation.formation_vector(PAIR, np.full(2, apart - wanted), bearing)
-        poses = unicycle.move(poses, motion.twist(vector, poses[:, geometry.HEADING], dt, config), dt)
+        poses = kinematics.move(poses, motion.twist(vector, poses[:, geometry.HEADING], dt, config), dt)
     return np.array(errors)
 
 

@@ -57,7 +57,8 @@ def codes(count: int, highest: int) -> st.SearchStrategy[Any]:
 def observations(draw: st.DrawFn) -> Observation:
     pose, near = (draw(finite), draw(finite), draw(finite)), draw(peers)
     received, over = draw(codes(len(near), 2)), draw(st.booleans())
-    return Observation(draw(ticks), draw(robots), pose, near, received, over, draw(ticks))
+    tick = draw(ticks)
+    return Observation(tick, draw(robots), pose, near, received, over, draw(ticks), draw(st.integers(0, tick)))
 
 
 @st.composite
@@ -188,7 +189,7 @@ optima = finite | st.just(math.nan)  # a trace has no optimal separation
 effects = st.builds(ChangeResult, paths, settings, ticks, optima, st.booleans())
 
 CODECS = {
-    "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 9),
+    "Observation": Codec(messages.encode_observation, messages.decode_observation, observations(), 10),
     "Beacon": Codec(messages.encode_beacon, messages.decode_beacon, beacons(), 10),
     "Command": Codec(messages.encode_command, messages.decode_command, commands(), 9),
     "Welcome": Codec(messages.encode_welcome, messages.decode_welcome, welcomes(), 2),

@@ -19,11 +19,11 @@ def float64(*numbers: float) -> bytes:
     return struct.pack(f"<{len(numbers)}d", *numbers)
 
 
-PROTOCOL = 3
+PROTOCOL = 4
 
 # The layouts, packed by hand: version, then the fields; robot 4 at tick 7 with the peers 2 and 9.
 PLAIN: dict[str, list[Any]] = {
-    "Observation": [PROTOCOL, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3],
+    "Observation": [PROTOCOL, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), b"\2\1", False, 3, 5],
     "Beacon": [PROTOCOL, 7, 4, 1.0, 2.0, 0.5, int32(2, 9), float64(60.0, 70.0), b"\1\0", float64(1.0), b"\7\0"],
     "Command": [
         *(PROTOCOL, 7, 4, 1.5, -0.5, int32(2, 9), float64(60.0, 70.0)),

@@ -86,7 +86,7 @@ def by_numpy(crew: Crew, receiver: Receiver, observations: Observations, beacons
     used = links.among(state.links, state.contacts, known, selected | (known.selected_by_peer & known.known))
     linked_since, seeking = crews._relink(crew, state, used, tick, since, received)
     poses, config = observations.poses, crew.config
-    relinked = CrewState(poses, known, used, None, seeking, linked_since, since, {})
+    relinked = CrewState(poses, known, used, None, seeking, linked_since, since, {}, state.located)
     around = Neighborhood(tick, config.dt, poses, known, state.contacts, used.edges, used.contact)
     return Round(observations, beacons, received, state, since, known, selected, relinked, around)
 

@@ -47,16 +47,16 @@ def contents(where: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in where.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("older", [2, 3, 4, 5])
+@pytest.mark.parametrize("older", [2, 3, 4, 5, 6])
 def test_a_checkpoint_of_an_older_format_is_rejected_in_one_line(formats: Path, older: int) -> None:
     run, before = formats / f"checkpoint-{older}", contents(formats)
     with pytest.raises(FesError) as caught:
         resume.load(run)
-    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 6"
+    assert str(caught.value) == f"{run / FOLDER / STATE} is a checkpoint of format {older}; this fes reads format 7"
     line = complaint(call(formats, "fes-world", "--resume", f"checkpoint-{older}"), "fes-world")
-    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 6"
+    assert line == f"checkpoint-{older}/checkpoint/state is a checkpoint of format {older}; this fes reads format 7"
     assert contents(formats) == before
-    assert snapshot.FORMAT == 6
+    assert snapshot.FORMAT == 7
 
 
 @pytest.mark.parametrize(
@@ -65,8 +65,8 @@ def test_a_checkpoint_of_an_older_format_is_rejected_in_one_line(formats: Path, 
 def test_a_log_of_an_older_version_is_rejected_in_one_line(formats: Path, run: str, older: int) -> None:
     with pytest.raises(FesError) as caught:
         log.load(formats / run)
-    assert str(caught.value) == f"{formats / run / NAME} is a log of version {older}; this fes reads version 3"
-    assert schemas.VERSION == 3
+    assert str(caught.value) == f"{formats / run / NAME} is a log of version {older}; this fes reads versions 3 and 4"
+    assert (schemas.READABLE, schemas.VERSION) == (3, 4)
 
 
 EARLIER = "fes 0.4.0 with arithmetic ec71240d0bea"
@@ -114,6 +114,15 @@ def test_the_programs_name_both_versions_where_a_log_of_release_0_4_is_executed_
         assert note == f"fes: recorded by {EARLIER}; executed by {own}"
 
 
+def test_a_log_that_release_0_7_wrote_is_executed_again_to_the_bit(formats: Path) -> None:
+    # Its payloads are of protocol 3, and say nothing of the tick of a fix.
+    again = call(formats, "fes", "replay", "log-3-of-0.7", "--all")
+    assert (again.returncode, again.stderr) == (0, "")
+    assert "executed again: 50 ticks, the same to the bit" in again.stdout
+    [first, *_] = log.load(formats / "log-3-of-0.7").ticks()
+    assert messages.decode_observation(first.payloads.observations[1]).fixed == 0
+
+
 def test_a_scenario_that_release_0_3_wrote_is_read(formats: Path) -> None:
     # it lists every key of [seeking], also those that its law does not use
     saved = load(str(formats / "scenario-0.3.toml"))
@@ -151,7 +160,8 @@ def tables(value: object) -> Iterator[tuple[str, str]]:
 def layout(where: Path) -> str:
     """All tables in a checkpoint, one per line."""
     bursts = {"bad_share": 0.2, "mean_length": 0.1}
-    scenario = load("measured.toml", run__duration=0.2, channel__bursts=bursts, objective__team_index=True)
+    noisy = {"sensing__pose_noise": 1.0, "sensing__pose_latency": 0.04, "robots__slip": 0.05}
+    scenario = load("measured.toml", run__duration=0.2, channel__bursts=bursts, objective__team_index=True, **noisy)
     (where / "run").mkdir()
     with Recorder(where / "run" / NAME, scenario, "x", "processes") as recorder:
         checkpoints, team = CheckpointWriter(where / "run", 1e9, "x", "main"), Team(scenario)
@@ -182,10 +192,12 @@ def test_the_stored_files_of_older_formats_are_small_and_complete() -> None:
         "checkpoint-3",
         "checkpoint-4",
         "checkpoint-5",
+        "checkpoint-6",
         LAYOUT.name,
         "log-1",
         "log-2",
         "log-3",
+        "log-3-of-0.7",
         "robot-log-1",
         "scenario-0.3.toml",
         "sweep-1",

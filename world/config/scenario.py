@@ -11,7 +11,15 @@ from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
-from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
+from fes.model.config import (
+    FORMULAS,
+    AgentConfig,
+    Clock,
+    FaultConfig,
+    FormationConfig,
+    LocalizationConfig,
+    ObjectiveConfig,
+)
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.settings import toml
@@ -26,7 +34,7 @@ from world.config.outside import schemes, trace_file
 from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
-from world.config.starts import RobotsConfig
+from world.config.starts import RobotsConfig, SensingConfig
 
 
 class RunConfig(Table):
@@ -56,7 +64,11 @@ class Scenario(Table):
     run: RunConfig = RunConfig()
     """Duration, tick, seed and clock."""
     robots: RobotsConfig
-    """Number and initial poses of the robots."""
+    """Number, initial poses and bodies of the robots."""
+    sensing: SensingConfig = SensingConfig()
+    """Sensing of the robots' own poses."""
+    localization: LocalizationConfig = LocalizationConfig()
+    """The robots' way from fixes to poses."""
     channel: RadioConfig = RadioConfig()
     """The radio channel."""
     objective: ObjectiveConfig = ObjectiveConfig()
@@ -77,6 +89,7 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _stable(self) -> Self:
         stability.check(self.run.dt, self.seeking, self.formation, self.objective)
+        self.sensing.check(self.run.dt)
         rules.check(self.formation, self.seeking, self.run.dt, self.robots.number)
         if self.robots.controller is not None and self.formation.configuration != "none":
             raise ValueError("robots.controller and formation.configuration exclude each other")
@@ -238,6 +251,8 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         seeking=scenario.seeking,
         formation=scenario.formation,
         channel=scenario.channel.formula if knows_channel(scenario) else None,
+        sensors=starts.told(scenario.robots, scenario.sensing),
+        localization=scenario.localization,
         clock=scenario.run.clock,
         clock_skew=scenario.run.clock_skew,
         faults=scenario.faults,

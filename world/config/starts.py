@@ -1,4 +1,4 @@
-"""Starts of the robots: a scenario's table [robots], and the poses at tick 0."""
+"""A scenario's tables [robots] and [sensing]: starts and bodies of the robots, and how they sense their poses."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -8,6 +8,8 @@ from pydantic import Field, model_validator
 
 from fes.arithmetic import draws
 from fes.arrays.types import Floats
+from fes.model import counts
+from fes.model.config import SensorConfig
 from fes.model.table import Choice, NonNegative, Positive, Table
 from fes.protocol.keys import MAX_ROBOTS
 
@@ -17,9 +19,15 @@ FARTHEST = 1e12
 MAX_TURN = 1e6
 """Largest heading of a start [rad]."""
 
+MAX_LATENCY = 1000
+"""Largest latency of a fix [ticks]; robots remember as many of their poses."""
+
+WHOLE = 1e-6
+"""Distance from a whole number that counts as rounding [1]."""
+
 
 class RobotsConfig(Table):
-    """Start of the robots: explicit poses, or a generated grid or line."""
+    """The robots: explicit poses, or a generated grid or line; their bodies."""
 
     poses: list[Annotated[tuple[float, float, float], Field(strict=False)]] | None = None
     """Initial poses, a list of x, y and heading [m, m, rad; world frame], in the order of the robot ids."""
@@ -36,6 +44,12 @@ class RobotsConfig(Table):
     `module:Class`, by the name of an installed one, or as a table with `use` and its parameters."""
     controller: Choice | None = None
     """A whole robot in plain Python, an extension named as for `dynamics`. It replaces seeking and formation law."""
+    actuator_lag: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Time constant with which the velocities of a body follow a command, in first order [s]."""
+    slip: Annotated[float, Field(ge=0, le=1)] = 0.0
+    """Standard deviation of the factor by which each body is faster or slower than its twist [1]; one factor for each
+    velocity, constant in a run. Both velocities also err by a random walk of the same number, in m/sqrt(s) and
+    rad/sqrt(s)."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -65,6 +79,48 @@ class RobotsConfig(Table):
     def number(self) -> int:
         """Number of robots."""
         return len(self.poses) if self.poses is not None else self.count or 0
+
+
+class SensingConfig(Table):
+    """Sensing of the robots' own poses; by default each robot knows its true pose at each tick."""
+
+    pose_noise: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Standard deviation of a fix along x and y, white [m]."""
+    heading_noise: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    """Standard deviation of the heading of a fix, white [rad]."""
+    pose_drift: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Standard deviation of an error that wanders, along x and y, for each robot its own [m]. The robots are not told
+    of it."""
+    pose_drift_time: Annotated[float, Field(ge=1e-3, le=1e9)] = 30.0
+    """Correlation time of that error [s]."""
+    pose_rate: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    """Fixes per second of each robot, at most one per tick [1/s]; None: one at each tick. Robots are staggered, and
+    hold a fix until the next one."""
+    pose_latency: Annotated[float, Field(ge=0, le=1)] = 0.0
+    """Age of a fix when it arrives, a whole number of ticks [s]."""
+
+    @property
+    def is_exact(self) -> bool:
+        """True if each robot knows its true pose at each tick."""
+        noise = self.pose_noise, self.heading_noise, self.pose_drift, self.pose_latency
+        return self.pose_rate is None and not any(noise)
+
+    def check(self, dt: float) -> None:
+        """Raise ValueError in one line unless rate and latency fit into ticks of `dt` [s]."""
+        latency = counts.ratio(self.pose_latency, dt)
+        if abs(latency - counts.ticks(self.pose_latency, dt)) > WHOLE or latency > MAX_LATENCY:
+            raise ValueError(
+                f"sensing.pose_latency must be a whole number of ticks, at most {MAX_LATENCY}, got {latency:g}"
+            )
+        if self.pose_rate is not None and self.pose_rate * dt > 1.0 + WHOLE:
+            raise ValueError(f"sensing.pose_rate must be at most {1.0 / dt:g}, one fix per tick, got {self.pose_rate:g}")
+
+
+def told(robots: RobotsConfig, sensing: SensingConfig) -> SensorConfig:
+    """The data sheet that the robots are told: neither drift nor slip, which nobody knows."""
+    return SensorConfig(
+        pose_noise=sensing.pose_noise, heading_noise=sensing.heading_noise, actuator_lag=robots.actuator_lag
+    )
 
 
 def poses(robots: RobotsConfig, seed: int) -> Floats:

@@ -18,27 +18,33 @@ def observations(sensed: Observations, present: Bools, since: Ints) -> list[byte
     `since` [n] is the tick since which each takes part.
     """
     peers, reception = wire.id_bytes(sensed.in_range.peers), sensed.reception.tobytes()
-    rows = zip(sensed.poses.tolist(), sensed.in_range.spans, present.tolist(), since.tolist(), strict=True)
+    fixed = ticks(sensed)
+    rows = zip(sensed.poses.tolist(), sensed.in_range.spans, present.tolist(), since.tolist(), fixed, strict=True)
     payloads = []
-    for robot, (pose, span, addressed, begun) in enumerate(rows):
+    for robot, (pose, span, addressed, begun, measured) in enumerate(rows):
         payload = b""
         if addressed:
             begin, end = span.start, span.stop
             in_range = peers[4 * begin : 4 * end]
             payload = packing.pack_observation(
-                sensed.tick, robot, pose, in_range, reception[begin:end], over=False, since=begun
+                sensed.tick, robot, pose, in_range, reception[begin:end], False, begun, measured
             )
         payloads.append(payload)
     return payloads
 
 
-def farewells(tick: int, poses: Floats) -> list[bytes]:
-    """The payload that tells each robot that the run is over, with its pose from `poses` [n, 3]."""
+def ticks(sensed: Observations) -> list[int]:
+    """Tick at which each pose was measured [n]."""
+    return [sensed.tick] * len(sensed.poses) if sensed.fixed is None else sensed.fixed.tolist()
+
+
+def farewells(sensed: Observations) -> list[bytes]:
+    """The payload that tells each robot that the run is over, with its last measured pose."""
     peers = np.zeros(0, dtype=np.int64)
-    reception = peers.astype(np.uint8)
+    reception, tick = peers.astype(np.uint8), sensed.tick
     return [
-        messages.encode_observation(Observation(tick, robot, tuple(pose), peers, reception, over=True, since=0))
-        for robot, pose in enumerate(poses.tolist())
+        messages.encode_observation(Observation(tick, robot, tuple(pose), peers, reception, True, 0, fixed))
+        for robot, (pose, fixed) in enumerate(zip(sensed.poses.tolist(), ticks(sensed), strict=True))
     ]
 
 

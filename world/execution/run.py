@@ -133,6 +133,10 @@ class Run:
         """The payload of each robot's Observation of this tick, in id order; empty for all but `addressed` [n]."""
         return marshalling.observations(truth.observe(self.state), addressed, self.state.since)
 
+    def farewells(self) -> list[bytes]:
+        """The payload that tells each robot that the run is over, in id order."""
+        return marshalling.farewells(truth.observe(self.state))
+
     def advance(
         self, sent: list[bytes], answers: list[Answer | None], beacons: list[bytes], alive: Bytes, elapsed: float
     ) -> None:

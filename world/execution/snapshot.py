@@ -1,6 +1,6 @@
 """Snapshot of a run at one tick, and its file `state`: a head of three lines, and the run's tables as a pickle.
 
-    fes checkpoint 6
+    fes checkpoint 7
     SHA-256 of the rest of the file
     {"fes": "0.7.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
 
@@ -35,7 +35,7 @@ from world.metrics.period_average import PeriodAverage
 from world.metrics.tracking import Tracking
 from world.simulation.truth import State
 
-FORMAT = 6
+FORMAT = 7
 """Format of a checkpoint, its journals and its trail. Raise it when one of them, or a table of the run, changes."""
 
 LARGEST = 1 << 30

@@ -156,7 +156,7 @@ class Server:
         self._record_tick()
         if self.run.metrics.link_errors.ticks:
             self._reports.publish(self.lifecycle.hosting.alive, self.elapsed)
-        self._farewell.publish(marshalling.farewells(self.run.state.tick, self.run.state.poses))
+        self._farewell.publish(self.run.farewells())
 
     async def linger(self) -> None:
         """Wait a few seconds at most until each robot that takes part knows that the run is over."""

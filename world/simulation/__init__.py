@@ -12,5 +12,6 @@ trace          the reception model of a recorded trace, by pair and time.
 shadowing      spatially correlated, reciprocal shadowing.
 bursts         losses in a row.
 draw_cache     the radio's uniform numbers.
+hardware       sensors that err and come late, bodies that slip and lag.
 core           the compiled core of the world.
 """

@@ -20,6 +20,9 @@ from world.simulation import channel, crowd, neighbor_list, reception
 from world.simulation.channel import Medium, Radio, RadioInput
 from world.simulation.core import compiled_world
 from world.simulation.core.compiled_world import CompiledWorld, Moved
+from world.simulation.hardware import actuators, sensors
+from world.simulation.hardware.actuators import Actuators
+from world.simulation.hardware.sensors import Sensors, SensorState
 from world.simulation.neighbor_list import Proximity
 from world.simulation.unicycle import Unicycle
 
@@ -41,6 +44,10 @@ class World:
     """Tick -> the faults of transmitters from then on."""
     core: CompiledWorld | None
     """The compiled core; None where numpy computes."""
+    sensors: Sensors | None
+    """None where each robot knows its true pose."""
+    actuators: Actuators | None
+    """None where bodies follow their commands exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +78,10 @@ class State:
     """Number of those that decoded."""
     transmission: Transmission | None = None
     """The faults of transmitters from this tick on; None while all are healthy."""
+    sensing: SensorState | None = None
+    """The state of the sensors; None where each robot knows its true pose."""
+    actual: Floats | None = None
+    """Twists of the bodies [n, 2]; None where they follow their commands exactly."""
 
     @property
     def decodable(self) -> Bools:
@@ -87,7 +98,9 @@ def create(scenario: Scenario) -> World:
     dynamics = registry.create(DYNAMICS, scenario.robots.dynamics, context)
     schedules = scenario.changes, scenario.participation, scenario.transmissions
     core = compiled_world.of(ids, medium) if type(dynamics) is Unicycle else None
-    return World(scenario, ids, medium, dynamics, *schedules, core)
+    seed, dt = scenario.run.seed, scenario.run.dt
+    hardware = sensors.of(scenario.sensing, seed, len(ids), dt), actuators.of(scenario.robots, seed, dt)
+    return World(scenario, ids, medium, dynamics, *schedules, core, *hardware)
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -100,11 +113,16 @@ def start(world: World) -> State:
     near = neighbor_list.measure(world.ids, poses, radio.communication_range, None)
     present = np.ones(len(poses), dtype=np.bool_)
     state = State(0, poses, bodies, radio, near, channel.quiet(near.edges), present, 0 * world.ids, 0, 0)
-    return _changed(world, state)
+    sensing = None if world.sensors is None else world.sensors.start(poses)
+    actual = None if world.actuators is None else world.actuators.start()
+    return _changed(world, replace(state, sensing=sensing, actual=actual))
 
 
 def step(world: World, state: State, twists: Floats) -> State:
-    """The state one tick later, with the bodies holding `twists` [n, 2] [m/s, rad/s]; see `held`."""
+    """The state one tick later, with the bodies commanded to hold `twists` [n, 2] [m/s, rad/s]; see `held`."""
+    actual, sensing = state.actual, state.sensing
+    if world.actuators is not None and actual is not None:
+        twists, actual = world.actuators.step(actual, twists, state.tick, state.present)
     factor = None if state.transmission is None else state.transmission.reception_factor
     robots = RadioInput(state.tick, state.poses, state.present, state.proximity, factor)
     moved: Moved
@@ -114,6 +132,8 @@ def step(world: World, state: State, twists: Floats) -> State:
         with np.errstate(over="ignore", invalid="ignore"):  # a robot at infinity is out of range
             bodies = world.dynamics.step(state.bodies, twists, world.scenario.run.dt)
             moved = _moved(world, state, robots, read_only(world.dynamics.poses(bodies)))
+    if world.sensors is not None and sensing is not None:
+        sensing = world.sensors.step(sensing, state.tick + 1, moved.poses)
     after = State(
         state.tick + 1,
         moved.poses,
@@ -126,6 +146,8 @@ def step(world: World, state: State, twists: Floats) -> State:
         state.sent + moved.sent,
         state.decoded + moved.decoded,
         state.transmission,
+        sensing,
+        actual,
     )
     return _changed(world, after)
 
@@ -155,7 +177,10 @@ def attend(state: State, present: Bools) -> State:
 
 def observe(state: State) -> Observations:
     """The robots' observations: only what a real robot could sense or receive."""
-    return Observations(state.tick, state.poses, state.radio.edges, state.radio.reception)
+    held, radio = state.sensing and state.sensing.held, state.radio
+    if held is None:
+        return Observations(state.tick, state.poses, radio.edges, radio.reception)
+    return Observations(state.tick, held.poses, radio.edges, radio.reception, held.ticks)
 
 
 def _changed(world: World, state: State) -> State:

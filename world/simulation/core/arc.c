@@ -1,4 +1,4 @@
-/* The unicycle (5), integrated exactly. Twin: world/simulation/unicycle.py. */
+/* The unicycle (5), integrated exactly. Twin: fes/model/kinematics.py. */
 #include "fes/arithmetic/core/trigonometry.h"
 #include "world.h"
 

@@ -15,7 +15,7 @@ from fes.model.config import FormationConfig
 from fes.model.contacts import Contacts
 from fes.model.sensing import Sensed
 from tests.support import layouts
-from world.simulation import unicycle
+from fes.model import kinematics
 
 DT, LIMIT, SAFE = 0.02, 5.0, 5.0
 CONFIG = FormationConfig(linear_limit=LIMIT, safe_separation=SAFE, linear_gain=2.0, separation_gain=0.8)
@@ -175,7 +175,7 @@ def test_no_twist_closes_too_fast_toward_any_place_where_the_peer_can_be(
     free = np.array([[linear, angular], [0.0, 0.0]])
     slowed = separation.slow_down(free, peers(where, age), where[:, 2], none, DT, CONFIG)
     assert abs(slowed[0, 0]) <= abs(linear)
-    moved = unicycle.move(where, slowed, DT)[0, :2]
+    moved = kinematics.move(where, slowed, DT)[0, :2]
     reach = LIMIT * age * DT
     for angle, share in [(0.0, 0.0), *places]:
         place = peer[:2] + share * reach * np.array([math.cos(angle), math.sin(angle)])

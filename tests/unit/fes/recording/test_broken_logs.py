@@ -54,7 +54,7 @@ BAD = {
     "cut": "has no end, its run was killed or the file was cut: 100 of 100 ticks are there",
     "damaged": "the checksum of a chunk differs",
     "a directory": "has no run.mcap: the run was not recorded",
-    "another version": "is a log of version 9; this fes reads version 3",
+    "another version": "is a log of version 9; this fes reads versions 3 and 4",
     "somebody else's": "is not a log of a run: it does not begin with its scenario",
     "nothing": "No such file or directory",
 }

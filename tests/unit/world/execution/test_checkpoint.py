@@ -172,7 +172,7 @@ def test_an_unusable_checkpoint_is_rejected_in_one_line(tmp_path: Path) -> None:
     content = state.read_bytes()
     for damaged, complaint in [
         (b"", "is not a checkpoint$"),
-        (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 6$"),
+        (b"fes checkpoint 9\n1\n", "is a checkpoint of format 9; this fes reads format 7$"),
         (content[:-10], "is damaged: its SHA-256 differs$"),
         (content[:300] + b"\0" + content[301:], "is damaged: its SHA-256 differs$"),
         (content.replace(b'"numpy": "', b'"numpy": "9'), "is damaged: its SHA-256 differs$"),

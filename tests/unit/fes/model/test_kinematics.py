@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fes.arrays import geometry
 from tests.support import reference as witness
-from world.simulation import unicycle
+from fes.model import kinematics
 
 angles = st.floats(-math.pi, math.pi)
 
@@ -33,7 +33,7 @@ def test_a_held_twist_moves_a_robot_as_its_differential_equation_does(angular: f
     rng = np.random.default_rng(3)
     poses = np.column_stack([rng.uniform(-200, 200, (5, 2)), rng.uniform(-math.pi, math.pi, 5)])
     linear = rng.uniform(-40.0, 40.0, 5)
-    moved = unicycle.move(poses, np.column_stack([linear, np.full(5, angular)]), dt)
+    moved = kinematics.move(poses, np.column_stack([linear, np.full(5, angular)]), dt)
     for before, speed, after in zip(poses.tolist(), linear.tolist(), moved.tolist(), strict=True):
         x, y, heading = integrated(before, speed, angular, dt)
         assert math.hypot(after[0] - x, after[1] - y) < 1e-9  # m; the integrator's error over 200 m
@@ -42,25 +42,25 @@ def test_a_held_twist_moves_a_robot_as_its_differential_equation_does(angular: f
 
 def test_a_full_circle_ends_where_it_began() -> None:
     pose = np.array([[3.0, -4.0, 1.0]])
-    moved = unicycle.move(pose, np.array([[5.0, math.pi]]), 2.0)
+    moved = kinematics.move(pose, np.array([[5.0, math.pi]]), 2.0)
     np.testing.assert_allclose(moved, pose, atol=1e-14)  # sin(pi) is 1.2e-16, times 10 m
 
 
 def test_a_quarter_circle_ends_where_elementary_geometry_says() -> None:
     # radius v/omega = 2 m, counter-clockwise from (0, 0) along +x: ends at (2, 2), looking along +y
-    moved = unicycle.move(np.zeros((1, 3)), np.array([[math.pi, math.pi / 2]]), 1.0)
+    moved = kinematics.move(np.zeros((1, 3)), np.array([[math.pi, math.pi / 2]]), 1.0)
     np.testing.assert_allclose(moved, [[2.0, 2.0, math.pi / 2]], atol=1e-14)  # a few roundings
 
 
 def test_moving_does_not_change_the_previous_poses() -> None:
     poses = np.array([[1.0, 2.0, 3.0]])
-    unicycle.move(poses, np.array([[4.0, 5.0]]), 0.1)
+    kinematics.move(poses, np.array([[4.0, 5.0]]), 0.1)
     assert poses.tolist() == [[1.0, 2.0, 3.0]]
 
 
 @given(heading=angles, angular=st.floats(-400.0, 400.0))
 def test_headings_stay_wrapped(heading: float, angular: float) -> None:
-    moved = unicycle.move(np.array([[0.0, 0.0, heading]]), np.array([[0.0, angular]]), 0.05)
+    moved = kinematics.move(np.array([[0.0, 0.0, heading]]), np.array([[0.0, angular]]), 0.05)
     assert -math.pi <= moved[0, 2] <= math.pi
     assert turned(moved[0, 2], heading + 0.05 * angular) < 1e-14  # rad; roundings of 20 rad
 
