@@ -53,6 +53,11 @@ def fes_tabletop() -> None:
     _start("fes-tabletop", "world.tabletop.__main__")
 
 
+def fes_robot() -> None:
+    """Entry point of fes-robot."""
+    _start("fes-robot", "field.__main__")
+
+
 def _start(command: str, module: str) -> None:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         # no traceback out of an import; `fes.system.signals.hold` follows

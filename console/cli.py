@@ -25,7 +25,7 @@ from console.keys import command as keys_command
 from console.replay import command as replay_command
 from console.replay import compare
 from console.sweep import command
-from console.team import command as team_command
+from console.team import table_command
 from console.terminal import printing, progress
 from fes import command_line, process
 from fes.errors import FesError, ScenarioError, no_memory, reason
@@ -62,7 +62,7 @@ guide.command(app, "schema")(schema.schema)
 guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)
 guide.command(app, "claims")(analysis_command.show_claims)
-for name, group in (("keys", keys_command.app), ("team", team_command.app)):
+for name, group in (("keys", keys_command.app), ("team", table_command.app)):
     app.add_typer(group, name=name, epilog=f"\b\nExample: {guide.EXAMPLES[name]}")
 
 

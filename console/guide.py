@@ -26,6 +26,7 @@ EXAMPLES = {
     "keys list": "fes keys list --keys keys",
     "keys rules": "fes keys rules --robots 2 > router.json5",
     "team": "fes team status",
+    "team run": "fes team run tabletop --duration 60",
     "team status": "fes team status",
     "team start": "fes team start --robots 0-2",
     "team stop": "fes team stop",

@@ -40,7 +40,7 @@ async def serve(flags: argparse.Namespace) -> int:
     boot, logger = secrets.randbelow(MAX_BOOT), logging.getLogger(f"robot.{robot}")
     team = Endpoints("client", (file.team.endpoint,), timeout=flags.timeout, security=security)
     async with contextlib.AsyncExitStack() as stack:
-        gate = await stack.enter_async_context(launch.started(settings))
+        gate = await stack.enter_async_context(await launch.launch(settings))
         opened = await stack.enter_async_context(bus.opened(team))
         publish = opened.declare_publisher(keys.robot_report(file.run, robot), "RobotReport", drop=True)
         living = Robot(file, robot, boot, publish)
@@ -75,10 +75,12 @@ def main() -> None:
     )
     parser.add_argument("file", type=Path, metavar="FILE", help="settings of the robot, such as robot.toml")
     parser.add_argument("--id", type=_robot, metavar="I", help="the robot, instead of `id` in the file")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the robot's log; without it no log is written")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the robot's log (default: no log)")
     parser.add_argument("--keys", type=Path, metavar="DIR", help="certificates for the operator's network")
     parser.add_argument(
-        "--remote-body", action="store_true", help="allow a driver on another machine: after a cut it obeys old commands"
+        "--remote-body",
+        action="store_true",
+        help="allow a driver on another machine: a cut delays commands",
     )
     parser.add_argument(
         "--timeout",
@@ -98,7 +100,7 @@ def _robot(text: str) -> int:
     try:
         [robot] = keys.parse_span(text, "--id", "I")
     except (FesError, ValueError):
-        raise argparse.ArgumentTypeError(f"expects an integer from 0 to {keys.MAX_ROBOTS - 1}, got '{text}'") from None
+        raise argparse.ArgumentTypeError(f"expects 0 to {keys.MAX_ROBOTS - 1}, got '{text}'") from None
     return robot
 
 

@@ -18,7 +18,6 @@ from world.config.scenario import load, parse_override
 from world.metrics.summary import write, write_scenario
 
 
-
 @guide.command(app, "team run")
 def run(
     scenario: options.Scenario,

@@ -21,6 +21,7 @@ from console.backends.process_group import free_port
 from console.connect import run_directory
 from console.connect.run_directory import Address
 from console.dashboard import live
+from console.doctor.network import spans
 from console.team import gates, observer, permit
 from console.team.merge import Team
 from console.team.recorder import TeamRecorder
@@ -92,8 +93,17 @@ class TableRun:
         table += ["--truth", str(self._directory / TRUTH), *used]
         await self._child("fes-tabletop", "world.tabletop", table, "tabletop.log")
         for robot in robots:
-            words = [str(file), "--id", str(robot), "--out", str(self._directory), "--timeout", f"{PATIENCE:g}", *used]
-            await self._child(f"fes-robot {robot}", "field", words, f"robot-{robot}.log")
+            words = [
+                str(file),
+                "--id",
+                str(robot),
+                "--out",
+                str(self._directory),
+                "--timeout",
+                f"{PATIENCE:g}",
+                *used,
+            ]
+            await self._child(f"fes-robot {robot}", "field", [*words, *used], f"robot-{robot}.log")
 
     async def _child(self, name: str, module: str, arguments: list[str], log: str) -> None:
         self._children.append(await managed_process.start(name, module, arguments, self._directory / log))
@@ -105,7 +115,7 @@ class TableRun:
         while len(present) < len(robots):
             self._check()
             if time.monotonic() > end:
-                absent = permit.spans(sorted(set(robots) - present))
+                absent = spans(sorted(set(robots) - present))
                 raise Unavailable(f"robots {absent} were not ready within {PATIENCE:g} s")
             await asyncio.sleep(PAUSE)
             with contextlib.suppress(Unavailable):

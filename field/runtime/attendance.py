@@ -7,7 +7,7 @@ it starts anew: it cannot know which beacons were sent while it did not listen, 
 from fes.protocol.robot_control import STOPPED
 
 LONGEST_GAP = 1_000_000_000
-"""Longest time without a pose, and longest suspension of the process, after which a robot need not start anew [ns]."""
+"""A robot that was without a pose, or suspended, for longer than this starts anew [ns]."""
 
 
 class Attendance:

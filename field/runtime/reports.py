@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fes.arrays.types import Ints
 from fes.model.seeking import MeasuredConfig, SeekingConfig
 from fes.protocol import messages
 from fes.protocol.robot_report import NO_AGE, Heard, RobotReport
@@ -47,5 +48,9 @@ class Reporter:
             if peer in last:
                 own = last[peer].estimates[last[peer].links == robot]
                 estimates[place] = own[0] if len(own) else np.nan
-        counts = [np.array([getattr(tallies[peer], name) for peer in peers]) for name in ("heard", "missed", "late")]
-        return Heard(np.array(peers, dtype=np.int64), *(count.astype(np.int64) for count in counts), estimates)
+
+        def counts(name: str) -> Ints:
+            return np.array([getattr(tallies[peer], name) for peer in peers], dtype=np.int64)
+
+        ids = np.array(peers, dtype=np.int64)
+        return Heard(ids, counts("heard"), counts("missed"), counts("late"), estimates)

@@ -5,14 +5,14 @@ import logging
 import time
 from collections.abc import Callable
 
-from fes.errors import FesError, MessageError
+from fes.errors import FesError, MessageError, Unavailable
 from fes.protocol import messages
 from fes.protocol.robot_control import RUNNING
 from fes.protocol.robot_report import encode_robot_report
 from fes.protocol.sealed import Sealed
 from fes.recording.robot_log.recorder import RobotLog
-from field.gate.launch import GateProcess
-from field.gate.link import Command, PoseSeen, Progress
+from field.gate.launch import AgentLink
+from field.gate.link import Command, Progress
 from field.radio.socket import Radio
 from field.runtime import reports, stepper
 from field.runtime.attendance import LONGEST_GAP, Attendance
@@ -61,7 +61,7 @@ class Robot:
         share = (arrived - self._clock.start(tick)) / self._clock.period
         self.senses.hear(sealed, beacon, tick + share)
 
-    async def live(self, gate: GateProcess, radio: Radio, log: RobotLog | None) -> None:
+    async def live(self, gate: AgentLink, radio: Radio, log: RobotLog | None) -> None:
         """Step at each tick; raises Unavailable when the gate has ended.
 
         A tick that comes late is answered late: the beacons of its peers would else count as lost. Only the command
@@ -75,7 +75,6 @@ class Robot:
             elif -ahead > LONGEST_GAP:
                 newest = self._clock.tick(now)
                 self.skipped, tick = self.skipped + newest - tick, newest
-            gate.check()
             self._read(gate, log)
             step = self._step(tick)
             if step is not None:
@@ -83,17 +82,18 @@ class Robot:
             tick += 1
             await asyncio.sleep(0)  # datagrams that have arrived are heard before the next tick
 
-    def _read(self, gate: GateProcess, log: RobotLog | None) -> None:
-        """Take the poses and the states that the gate has sent."""
-        for frame in gate.received():
-            if isinstance(frame, PoseSeen):
-                self._fixes.add(Pose(frame.received_at, frame.pose))
-                continue
-            before, self._progress = self._progress, frame
-            if before is None or (before.mode, before.reason) != (frame.mode, frame.reason):
-                self.logger.info("the gate is %s%s", frame.mode, f": {frame.reason}" * bool(frame.reason))
-                if log is not None:
-                    log.event("gate", f"{frame.mode} {frame.reason}".strip(), mode=frame.mode, reason=frame.reason)
+    def _read(self, gate: AgentLink, log: RobotLog | None) -> None:
+        """Take the poses and the state that the gate has sent; raises Unavailable if it has ended."""
+        if gate.is_closed:
+            raise Unavailable("the gate has ended: only the driver's own timeout stops the robot now")
+        for seen in gate.take():
+            self._fixes.add(Pose(seen.received_at, seen.pose))
+        before, after = self._progress, gate.progress
+        self._progress = after
+        if after is not None and (before is None or (before.mode, before.reason) != (after.mode, after.reason)):
+            self.logger.info("the gate is %s%s", after.mode, f": {after.reason}" * bool(after.reason))
+            if log is not None:
+                log.event("gate", f"{after.mode} {after.reason}".strip(), mode=after.mode, reason=after.reason)
 
     def _step(self, tick: int) -> Step | None:
         """The step of a tick; None while the robot does not take part."""
@@ -105,7 +105,7 @@ class Robot:
             return None
         return self._stepper.step(tick, fix, since)
 
-    def _act(self, tick: int, step: Step, gate: GateProcess, radio: Radio, log: RobotLog | None) -> None:
+    def _act(self, tick: int, step: Step, gate: AgentLink, radio: Radio, log: RobotLog | None) -> None:
         """Send the beacon, the command and, some times per second, a report."""
         radio.send(step.beacon)
         start, now = self._clock.start(tick), time.monotonic_ns()

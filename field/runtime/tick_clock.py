@@ -1,7 +1,7 @@
 """Ticks of a real robot: those of its wall clock at the start, counted on its monotonic clock from then on.
 
-Robots whose wall clocks roughly agree, by NTP or GPS, so have dithers in phase. A wall clock that jumps during the run
-changes nothing.
+So robots whose wall clocks roughly agree, by NTP or GPS, have dithers in phase. A wall clock that jumps during the
+run changes nothing.
 """
 
 

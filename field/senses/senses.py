@@ -68,8 +68,7 @@ class Senses:
         self._taken = [heard for heard in taken if heard is not None]
         beacons = [heard.beacon._replace(tick=tick - 1) for heard in self._taken]
         peers = self._as_array(in_range)
-        # `fixed` belongs into the observation as soon as this message has such a field: here alone
-        return Observation(tick, self._robot, pose, peers, reception, over=False, since=since), beacons
+        return Observation(tick, self._robot, pose, peers, reception, over=False, since=since, fixed=fixed), beacons
 
     def poses_at_reception(self) -> list[Pose]:
         """Own pose at the arrival of each beacon that the last step returned, interpolated between own steps."""

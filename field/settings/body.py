@@ -88,7 +88,7 @@ class LimitsConfig(OwnTable):
     silence: Positive | None = None
     """Time without a beacon of any peer after which the gate commands zero [s]; none by default."""
     lateness: Positive = 0.1
-    """Lateness of the gate's own loop from which on it commands zero [s]: on two busy processors .04 s are ordinary."""
+    """Lateness of the gate's own loop from which on it commands zero [s]; .04 s are ordinary on a busy machine."""
     motion_check: NonNegative = 2.0
     """Time in which the pose must move as commanded [s]; 0 for no check."""
     fence: list[Corner] = Field(default=[], max_length=100)

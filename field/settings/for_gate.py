@@ -8,7 +8,12 @@ from field.settings.robot_file import RobotFile
 
 
 def gate_settings(
-    file: RobotFile, robot: int, *, remote: bool = False, security: dict[str, Any] | None = None, patience: float = 30.0
+    file: RobotFile,
+    robot: int,
+    *,
+    remote: bool = False,
+    security: dict[str, Any] | None = None,
+    patience: float = 30.0,
 ) -> Settings:
     """The settings of the gate of `robot`; raises FesError for one that no gate accepts.
 

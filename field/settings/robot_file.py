@@ -1,4 +1,4 @@
-"""robot.toml: all settings of a real robot. One file can serve a team, as `{robot}` in its topics stands for the robot."""
+"""robot.toml: all settings of a real robot. One file serves a team: `{robot}` in a topic stands for the id."""
 
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -90,7 +90,7 @@ class RobotFile(Table):
             channel=None,
             controller=self.controller,
             clock="live",
-            sensing=self.sensing,
+            sensors=self.sensing,
             localization=self.localization,
         )
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from agents.runtime.hosted_crew import HostedCrew
 from fes.arrays.types import Floats
+from fes.model import kinematics
 from fes.protocol.messages import Beacon, Command, Welcome, decode_beacon, decode_command
 from fes.protocol.sealed import Sealed
 from field.senses.senses import Senses
 from tests.support.measured_links import rayleigh
 from world.config.scenario import Scenario, agent_config
-from world.simulation import unicycle
 
 OPTIMUM = 68.11376
 """The separation that every link should have [m]."""
@@ -122,6 +122,6 @@ class Team:
         passed = (now - self._moved)[:, None]
         # a unit of time in which a body covers what it covers in the time that has passed
         self.poses, self._moved = (
-            unicycle.move(self.poses, passed * self._twists, 1.0),
+            kinematics.move(self.poses, passed * self._twists, 1.0),
             np.full_like(self._moved, now),
         )

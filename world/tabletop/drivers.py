@@ -4,12 +4,11 @@ import os
 import time
 from collections import deque
 
+from fes.arrays.types import Floats
 from fes.ros import graph, messages, topics
 from fes.ros.graph import Node
 from fes.ros.messages import PoseMessage
 from fes.ros.topics import Topic
-
-from fes.arrays.types import Floats
 from fes.transport import foreign
 from fes.transport.bus import Bus
 from world.config.hardware.tabletop import TabletopConfig

@@ -3,8 +3,8 @@
 import numpy as np
 
 from fes.arrays.types import Floats
+from fes.model import kinematics
 from world.config.hardware.tabletop import TabletopConfig
-from world.simulation import unicycle
 from world.tabletop.bodies import interface
 
 
@@ -22,7 +22,7 @@ class KinematicBodies:
 
     def step(self, dt: float) -> None:
         """Move all bodies for `dt` [s], by equation (5), exactly."""
-        self._poses = unicycle.move(self._poses, self._twists, dt)
+        self._poses = kinematics.move(self._poses, self._twists, dt)
 
     def poses(self) -> Floats:
         """True poses [n, 3] [m, m, rad; table frame]."""

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from fes.arrays.types import Floats
+from fes.model import kinematics
 from tests.support.mujoco import needs_mujoco
 from world.config.hardware.tabletop import TabletopConfig
-from world.simulation import unicycle
 from world.tabletop.bodies.mujoco_bodies import MujocoBodies
 
 pytestmark = needs_mujoco
@@ -57,7 +57,7 @@ def test_a_weaving_body_stays_near_the_exact_one(step: float) -> None:
         linear, angular = 0.1, 2.0 * math.sin(0.04 * tick)
         moving.command(0, linear, angular)
         moving.step(0.02)
-        exact = unicycle.move(exact, np.array([[linear, angular]]), 0.02)
+        exact = kinematics.move(exact, np.array([[linear, angular]]), 0.02)
     error = moving.poses()[0] - exact[0]
     assert math.hypot(*error[:2]) < 0.05  # 5 % of the way of 1 m
     assert abs(math.remainder(error[2], math.tau)) < 0.2
