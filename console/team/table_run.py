@@ -84,7 +84,7 @@ class TableRun:
 
     async def _start(self, robots: list[int]) -> None:
         """Start the table and the robots; raises FesError."""
-        radio = f"127.0.0.1:{_free_datagram_port()}"
+        radio = f"127.0.0.1:{free_datagram_port()}"
         tables = robot_tables(self._scenario, keys.DEFAULT_RUN, self._endpoint, radio)
         file = self._directory / ROBOTS
         file.write_text(tomli_w.dumps(tables), encoding="utf-8")
@@ -196,7 +196,7 @@ async def _follow(reports: AsyncIterator[Report | None], frames: live.Screen | N
         pass
 
 
-def _free_datagram_port() -> int:
+def free_datagram_port() -> int:
     """A free UDP port of the loopback interface."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
