@@ -1,6 +1,7 @@
 """The job of zenoh-bridge-ros2dds for two topics: `python -m tests.robots.bridge ENDPOINT ROBOT TWIST POSE`.
 
-Raw bytes pass from Zenoh to DDS and back. It has no codec of its own that could repair them. It ends with its standard input.
+Raw bytes pass from Zenoh to DDS and back. It has no codec of its own that could repair them.
+It ends with its standard input.
 """
 
 import json
@@ -11,7 +12,7 @@ import rclpy
 import zenoh
 import zenoh.handlers
 
-from tests.robots.driver import DEPTH, POSES, TWISTS, end_of_input
+from tests.robots.driver import DEPTH, POSES, TWISTS, spin
 
 SETTINGS = {"mode": "client", "scouting/multicast/enabled": False, "connect/timeout_ms": 10_000}
 
@@ -36,12 +37,8 @@ def main() -> None:
             session.declare_subscriber(f"{robot}/cmd_vel", zenoh.handlers.Callback(on_command, indirect=True)),
             node.create_subscription(POSES[pose], "odom", out.put, DEPTH, raw=True),
         ]
-        ended = end_of_input()
-        while not ended.is_set():
-            rclpy.spin_once(node, timeout_sec=0.1)
+        spin(node)
         held.clear()
-    node.destroy_node()
-    rclpy.shutdown()
     os._exit(0)  # the thread that reads standard input holds its lock
 
 

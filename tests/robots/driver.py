@@ -10,11 +10,13 @@ import math
 import os
 import sys
 import threading
+from contextlib import suppress
 from typing import Any
 
 import rclpy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 
 DT = 0.02  # s
 DEPTH = 10
@@ -33,8 +35,8 @@ def tell(**fields: Any) -> None:
     print(json.dumps(fields), flush=True)
 
 
-def end_of_input() -> threading.Event:
-    """An event that is set when the standard input is closed."""
+def spin(node: Any) -> None:
+    """Let a node work until the standard input is closed, or a signal ends ROS 2; then end the node."""
     ended = threading.Event()
 
     def read() -> None:
@@ -42,7 +44,11 @@ def end_of_input() -> threading.Event:
         ended.set()
 
     threading.Thread(target=read, daemon=True).start()
-    return ended
+    with suppress(ExternalShutdownException, KeyboardInterrupt):
+        while not ended.is_set():
+            rclpy.spin_once(node, timeout_sec=0.1)
+        node.destroy_node()
+        rclpy.shutdown()
 
 
 class Driver:
@@ -101,12 +107,7 @@ def main() -> None:
     """Drive until the standard input is closed."""
     rclpy.init()
     driver = Driver(*sys.argv[1:])
-    ended = end_of_input()
-    while not ended.is_set():
-        rclpy.spin_once(driver.node, timeout_sec=0.1)
-    driver.node.destroy_node()
-    rclpy.shutdown()
-    sys.stdout.flush()
+    spin(driver.node)
     os._exit(0)  # the thread that reads standard input holds its lock
 
 
