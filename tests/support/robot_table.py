@@ -1,6 +1,7 @@
 """A table with one real `fes-robot` that cruises, and the truth of its travel."""
 
 import asyncio
+import itertools
 import json
 import os
 import signal
@@ -115,7 +116,7 @@ class Stage:
         lines = self.truth()
         begin = max((place for place, line in enumerate(lines) if line["monotonic"] <= after), default=0)
         path = [line["poses"][0] for line in lines[begin:]]
-        steps = zip(path, path[1:], strict=False)
+        steps = itertools.pairwise(path)
         return sum(float(((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) ** 0.5) for a, b in steps) / scale
 
     async def _line(self, fits: Callable[[dict[str, Any]], bool]) -> None:
@@ -124,7 +125,8 @@ class Stage:
         async with asyncio.timeout(PATIENCE):
             while True:
                 lines = self.truth()
-                if any([fits(line) for line in lines[seen:]]):
+                fitting = [line for line in lines[seen:] if fits(line)]
+                if fitting:
                     return
                 seen = len(lines)
                 await asyncio.sleep(TRUTH_PERIOD)
