@@ -24,11 +24,12 @@ def chosen(target: Path, robot: int | None, all_: bool) -> list[Path]:
         if is_of_robot and all_:
             raise FesError(f"--all: {target} is the log of one robot")
         return [target] if is_of_robot else []
-    if run_reader.find(target) is not None or not (every := layout.paths(target)):
-        return []
-    if all_:
+    every = layout.paths(target)
+    if all_ or not every:
         return every
     paths = every if robot is None else layout.paths(target, robot)
+    if run_reader.find(target) is not None and (robot is None or not paths):
+        return []  # beside the robots' logs lies the one that their operator recorded
     if not paths:
         raise FesError(f"--robot {robot}: {target} has no robot-{robot}.mcap")
     if robot is None and len(paths) > 1:
