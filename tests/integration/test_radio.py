@@ -194,3 +194,22 @@ async def test_a_group_that_cannot_be_joined_is_an_error_in_one_line() -> None:
         await Radio.opened(settings, RUN, 0, Ear())
     with pytest.raises(TransportError, match=r"on no-such: "):
         await Radio.opened(RadioSettings(interface="no-such"), RUN, 0, Ear())
+
+
+@awaited
+async def test_datagrams_that_the_system_drops_while_a_robot_does_not_read_are_told_from_losses() -> None:
+    ear, sent = Ear(), 5000
+    async with forwarding() as (relay, address):
+        with await radio(address, 0, ear) as mine:
+            await comes(lambda: len(relay.robots) == 1)
+            for number in range(sent):  # the loop, and so the robot, waits meanwhile
+                relay.inject(0, sealed.seal(KEY, RUN, 1, 5, number, bytes(1000)))
+            await comes(lambda: bool(ear.heard) and ear.heard[-1].sequence > 100)
+            before = 0
+            while before < len(ear.heard):
+                before = len(ear.heard)
+                await asyncio.sleep(0)
+            relay.inject(0, sealed.seal(KEY, RUN, 1, 5, sent, b"last"))
+            await comes(lambda: ear.heard[-1].payload == b"last")
+            assert mine.counters.overflowed > 0
+            assert len(ear.heard) + mine.counters.overflowed == sent + 1
