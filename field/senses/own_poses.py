@@ -2,6 +2,8 @@
 
 from collections import deque
 
+import numpy as np
+
 from fes.arrays import geometry
 
 Pose = tuple[float, float, float]
@@ -21,7 +23,7 @@ class OwnPoses:
         """Remember the pose at the step of a tick; ticks ascend."""
         self._poses.append((tick, pose))
 
-    def at(self, time: float) -> Pose:
+    def between(self, time: float) -> Pose:
         """The pose at a `time` [ticks], linear between two steps; the nearest one outside of them.
 
         Raises LookupError before the first step.
@@ -40,5 +42,10 @@ def _between(before: tuple[int, Pose], after: tuple[int, Pose], time: float) -> 
     """The pose at `time` between two; the heading takes the shorter way."""
     share = (min(time, after[0]) - before[0]) / (after[0] - before[0])
     (x, y, heading), (next_x, next_y, next_heading) = before[1], after[1]
-    turned = float(geometry.wrap(next_heading - heading))
-    return x + share * (next_x - x), y + share * (next_y - y), float(geometry.wrap(heading + share * turned))
+    turned = _wrapped(next_heading - heading)
+    return x + share * (next_x - x), y + share * (next_y - y), _wrapped(heading + share * turned)
+
+
+def _wrapped(angle: float) -> float:
+    """The same angle [rad] in [-pi, pi)."""
+    return float(geometry.wrap(np.float64(angle)))

@@ -36,7 +36,7 @@ def awaited(test: Callable[P, Coroutine[None, None, None]]) -> Callable[P, None]
 
 
 class Ear:
-    """What a robot's radio hands on."""
+    """The beacons that a robot's radio hands on."""
 
     def __init__(self) -> None:
         self.heard: list[Sealed] = []
@@ -81,7 +81,7 @@ async def test_beacons_reach_every_other_robot_in_order_with_their_time_of_arriv
 
 
 @awaited
-async def test_what_the_team_did_not_send_is_refused_and_counted_by_its_rule() -> None:
+async def test_a_datagram_that_the_team_did_not_send_is_refused_and_counted_by_its_rule() -> None:
     ear = Ear()
     async with forwarding() as (relay, address):
         with await radio(address, 0, ear) as mine, await radio(address, 1, Ear()) as peer:

@@ -29,11 +29,11 @@ def test_the_estimates_have_the_bias_of_the_lockstep_world(team: Team) -> None:
 
 
 def test_every_beacon_that_the_channel_lets_pass_counts_once(team: Team) -> None:
-    tallies = [tally for senses in team.senses for tally in senses.tallies.values()]
-    assert sum(tally.late + tally.early + tally.repeated for tally in tallies) == 0
-    before_the_first_step = sum(tally.skipped for tally in tallies)
-    counted = sum(tally.heard + tally.removed for tally in tallies) + before_the_first_step
-    unfinished = 3 * len(tallies)  # at the end of the run: on the air or waiting for a step
+    links = [counts for senses in team.senses for counts in senses.counts.values()]
+    assert sum(counts.late + counts.early + counts.repeated for counts in links) == 0
+    before_the_first_step = sum(counts.skipped for counts in links)
+    counted = sum(counts.heard + counts.removed for counts in links) + before_the_first_step
+    unfinished = 3 * len(links)  # at the end of the run: on the air or waiting for a step
     assert counted > 10_000
     assert before_the_first_step < 10
     assert 0 <= team.delivered - counted <= unfinished

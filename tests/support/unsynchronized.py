@@ -101,11 +101,11 @@ class Team:
             self._compare(robot, tick, beacons)
         crew = self._crews[robot]
         [(_, payload, command)] = crew.answer(crew.observe([observation]), beacons)
-        self._estimates[robot] = decode_command(command)
-        self._twists[robot] = self._estimates[robot].twist
+        answer = self._estimates[robot] = decode_command(command)
+        self._twists[robot] = answer.twist
         self._send(now, robot, Sealed(robot, 1, tick, payload))
         if robot == 0:
-            told = [answer.estimates for answer in self._estimates if answer is not None]
+            told = [each.estimates for each in self._estimates if each is not None]
             mean = np.concatenate(told).mean() if sum(map(len, told)) else np.nan
             self.times.append(now)
             self.errors.append(float(mean - OPTIMUM))

@@ -64,9 +64,9 @@ def test_beacons_of_a_peer_are_used_in_their_order_and_at_most_once_but_for_inse
     assert used == sorted(used)
     if not arrivals:
         return
-    tally = senses.tallies[PEER]
-    assert repeats <= tally.inserted
-    fates = tally.late + tally.early + tally.repeated + tally.removed + tally.skipped
+    counts = senses.counts[PEER]
+    assert repeats <= counts.inserted
+    fates = counts.late + counts.early + counts.repeated + counts.removed + counts.skipped
     assert len(arrivals) == len(used) - repeats + fates
 
 
@@ -79,7 +79,7 @@ def test_a_peer_is_in_range_from_its_first_slot_until_it_has_been_silent_for_the
     codes = [observation.reception.tolist() for observation in observed]
     assert codes[:3] == [[], [DECODED], [LOST]]
     assert codes[-1] == []
-    assert senses.tallies[PEER].missed == 18
+    assert senses.counts[PEER].missed == 18
 
 
 def test_a_peer_heard_again_after_a_silence_gets_a_new_offset() -> None:
@@ -88,7 +88,7 @@ def test_a_peer_heard_again_after_a_silence_gets_a_new_offset() -> None:
     hear(senses, 500, at=104.5)
     step(senses, 105)
     assert step(senses, 106)[1] == [500]
-    assert senses.tallies[PEER].starts == 2
+    assert senses.counts[PEER].starts == 2
 
 
 def test_a_restarted_peer_gets_a_new_offset_at_once() -> None:
@@ -98,7 +98,7 @@ def test_a_restarted_peer_gets_a_new_offset_at_once() -> None:
     hear(senses, 0, at=5.5, boot=BOOT + 1)
     step(senses, 6)
     assert step(senses, 7)[1] == [0]
-    assert senses.tallies[PEER].starts == 2
+    assert senses.counts[PEER].starts == 2
 
 
 def test_peers_and_beacons_ascend_and_the_observation_is_a_valid_message() -> None:
@@ -121,7 +121,7 @@ def test_a_beacon_that_names_another_robot_than_its_datagram_has_no_effect() -> 
     senses.hear(Sealed(PEER, BOOT, 0, b""), beacon(0, PEER + 1), 0.5)
     senses.hear(Sealed(ROBOT, BOOT, 0, b""), beacon(0, ROBOT), 0.5)
     assert senses.foreign == 2
-    assert not senses.tallies
+    assert not senses.counts
 
 
 def test_a_tick_that_does_not_ascend_is_an_error() -> None:
