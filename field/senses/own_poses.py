@@ -1,10 +1,7 @@
 """Own poses of the last ticks, and the pose at any time between them. Pure."""
 
+import math
 from collections import deque
-
-import numpy as np
-
-from fes.arrays import geometry
 
 Pose = tuple[float, float, float]
 """x, y, heading [m, m, rad; team frame]."""
@@ -42,10 +39,5 @@ def _between(before: tuple[int, Pose], after: tuple[int, Pose], time: float) -> 
     """The pose at `time` between two; the heading takes the shorter way."""
     share = (min(time, after[0]) - before[0]) / (after[0] - before[0])
     (x, y, heading), (next_x, next_y, next_heading) = before[1], after[1]
-    turned = _wrapped(next_heading - heading)
-    return x + share * (next_x - x), y + share * (next_y - y), _wrapped(heading + share * turned)
-
-
-def _wrapped(angle: float) -> float:
-    """The same angle [rad] in [-pi, pi)."""
-    return float(geometry.wrap(np.float64(angle)))
+    turned = math.remainder(next_heading - heading, math.tau)
+    return x + share * (next_x - x), y + share * (next_y - y), math.remainder(heading + share * turned, math.tau)
