@@ -2,7 +2,7 @@
 
 Its bytes, little-endian: magic [4], version [1], hash of the run's name [8], robot [4], boot id [8], sequence [4],
 the payload, and the first 16 bytes of HMAC-SHA256 (RFC 2104) over all before. The key is the team's. An empty key
-leaves a checksum, which authenticates nobody.
+leaves a checksum, which authenticates no sender.
 
 `opened` raises MessageError, and nothing else, on any bytes. Its `rule` is one of REFUSALS.
 """
@@ -79,7 +79,7 @@ def opened(key: bytes, run: str, datagram: bytes) -> Sealed:
 
 
 def sender(datagram: bytes) -> int | None:
-    """The robot that a datagram of any run names; None if it is no datagram of a beacon. The code is not checked."""
+    """The robot that a datagram of any run names; None for other bytes. The code is not checked."""
     if not _HEAD.size + _CODE <= len(datagram) <= LONGEST:
         return None
     magic, version, _, robot, _, _ = _HEAD.unpack_from(datagram)

@@ -20,4 +20,4 @@ class RadioSettings(NamedTuple):
     relay: str = ""
     """host:port of a relay that forwards beacons, for robots on one machine; empty for multicast."""
     key: bytes = b""
-    """The team's key; empty for a checksum, which authenticates nobody."""
+    """The team's key; empty for a checksum, which authenticates no sender."""

@@ -158,8 +158,8 @@ async def _connected(relay: str) -> socket.socket:
     if not host or not port.isdecimal() or not 0 < int(port) < 1 << 16:
         raise FesError(f"a relay must be host:port, got: {relay}")
     try:
-        found = await asyncio.get_running_loop().getaddrinfo(host.strip("[]"), port, type=socket.SOCK_DGRAM)
-        family, _, _, _, address = found[0]
+        addresses = await asyncio.get_running_loop().getaddrinfo(host.strip("[]"), port, type=socket.SOCK_DGRAM)
+        family, _, _, _, address = addresses[0]
         opened = _socket(family)
     except OSError as error:
         raise TransportError(f"radio relay {relay}: {reason(error)}") from None

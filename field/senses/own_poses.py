@@ -1,8 +1,7 @@
 """Own poses of the last ticks, and the pose at any time between them. Pure."""
 
+import math
 from collections import deque
-
-from fes.arrays import geometry
 
 Pose = tuple[float, float, float]
 """x, y, heading [m, m, rad; team frame]."""
@@ -21,7 +20,7 @@ class OwnPoses:
         """Remember the pose at the step of a tick; ticks ascend."""
         self._poses.append((tick, pose))
 
-    def at(self, time: float) -> Pose:
+    def between(self, time: float) -> Pose:
         """The pose at a `time` [ticks], linear between two steps; the nearest one outside of them.
 
         Raises LookupError before the first step.
@@ -40,5 +39,5 @@ def _between(before: tuple[int, Pose], after: tuple[int, Pose], time: float) -> 
     """The pose at `time` between two; the heading takes the shorter way."""
     share = (min(time, after[0]) - before[0]) / (after[0] - before[0])
     (x, y, heading), (next_x, next_y, next_heading) = before[1], after[1]
-    turned = float(geometry.wrap(next_heading - heading))
-    return x + share * (next_x - x), y + share * (next_y - y), float(geometry.wrap(heading + share * turned))
+    turned = math.remainder(next_heading - heading, math.tau)
+    return x + share * (next_x - x), y + share * (next_y - y), math.remainder(heading + share * turned, math.tau)

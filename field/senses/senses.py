@@ -1,8 +1,8 @@
 """An Observation per tick from the beacons that a robot's radio has heard.
 
 A robot of a simulated world is told which peers are in range, and which of their beacons decoded. A real robot
-derives both from its radio: a peer is in range while it has been heard within the last `memory` ticks, and a beacon
-that is not there at the step that needs it was lost. `Slots` states at which step that is. No contact is CLOSED.
+derives both from its radio. A peer is in range while it has been heard within the last `memory` ticks. A beacon that
+is not there at the step that needs it was lost; `Slots` states which step that is. No contact is CLOSED.
 
 Robots step at times of their own. A beacon's pose is from the sender's step; the crew relates it to its own pose at
 the slot. The two differ by up to a tick, so a separation has an error of the relative velocity times this time: with
@@ -17,16 +17,16 @@ from fes.model.sensing import DECODED, LOST
 from fes.protocol.messages import Beacon, Observation
 from fes.protocol.sealed import Sealed
 from field.senses.own_poses import OwnPoses, Pose
+from field.senses.slot_counts import SlotCounts
 from field.senses.slots import Heard, Slots
-from field.senses.tally import Tally
 
 
 class Senses:
-    """What one robot has heard of its peers."""
+    """The beacons that one robot has heard of its peers."""
 
     def __init__(self, robot: int, memory: int) -> None:
         """`memory` is the number of ticks for which a silent peer counts as in range."""
-        self.tallies: dict[int, Tally] = {}
+        self.counts: dict[int, SlotCounts] = {}
         """Counts of each peer that was ever heard."""
         self.foreign = 0
         """Beacons whose payload names another robot than their datagram, or this one."""
@@ -37,19 +37,19 @@ class Senses:
         self._in_range: Ints = np.zeros(0, dtype=np.int64)
         self._taken: list[Heard] = []
 
-    def hear(self, sealed: Sealed, beacon: Beacon, at: float) -> None:
+    def hear(self, sealed: Sealed, beacon: Beacon, time: float) -> None:
         """Hold a beacon that arrived in a datagram; `beacon` is the datagram's payload.
 
-        `at` is the time of its arrival [own ticks]: the own step of tick k is due at k.
+        `time` is that of its arrival [own ticks]: the own step of tick k is due at k.
         """
         peer = beacon.robot
         if peer != sealed.robot or peer == self._robot:
             self.foreign += 1
             return
-        heard, known = Heard(beacon, at), self._slots.get(peer)
-        if known is None or known.boot != sealed.boot or at - known.last_heard > self._memory:
-            tally = self.tallies.setdefault(peer, Tally())
-            known = self._slots[peer] = Slots(sealed.boot, sealed.sequence, heard, tally)
+        heard, known = Heard(beacon, time), self._slots.get(peer)
+        if known is None or known.boot != sealed.boot or time - known.last_heard > self._memory:
+            counts = self.counts.setdefault(peer, SlotCounts())
+            known = self._slots[peer] = Slots(sealed.boot, sealed.sequence, heard, counts)
         known.hear(sealed.sequence, heard, self._stepped)
 
     def step(self, tick: int, pose: Pose, fixed: int, since: int) -> tuple[Observation, list[Beacon]]:
@@ -72,7 +72,7 @@ class Senses:
 
     def poses_at_reception(self) -> list[Pose]:
         """Own pose at the arrival of each beacon that the last step returned, interpolated between own steps."""
-        return [self._poses.at(heard.at) for heard in self._taken]
+        return [self._poses.between(heard.time) for heard in self._taken]
 
     def _peers_in_range(self, tick: int) -> list[int]:
         """The peers heard within memory, ascending, that have a slot before `tick`; forget the silent ones."""

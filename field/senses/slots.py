@@ -17,8 +17,8 @@ import math
 from typing import NamedTuple
 
 from fes.protocol.messages import Beacon
+from field.senses.slot_counts import SlotCounts
 from field.senses.steering import Steering
-from field.senses.tally import Tally
 
 HORIZON = 16
 """Largest number of ticks that a beacon can be ahead of the own clock: memory has a bound."""
@@ -28,16 +28,16 @@ class Heard(NamedTuple):
     """A beacon, and the time of its arrival [own ticks]."""
 
     beacon: Beacon
-    at: float
+    time: float
 
 
 class Slots:
     """The slots of one peer, since its start or since it was first heard after a silence."""
 
-    def __init__(self, boot: int, sequence: int, first: Heard, tally: Tally) -> None:
+    def __init__(self, boot: int, sequence: int, first: Heard, counts: SlotCounts) -> None:
         """The peer's start `boot` is first heard with the datagram `sequence`."""
-        self.boot, self.last_heard, self.tally = boot, first.at, tally
-        self.begin = math.floor(first.at) + 1
+        self.boot, self.last_heard, self.counts = boot, first.time, counts
+        self.begin = math.floor(first.time) + 1
         """The first slot."""
         self._offset = self._old_offset = self.begin - first.beacon.tick
         self._from = self._until = first.beacon.tick
@@ -51,45 +51,45 @@ class Slots:
         self._last: tuple[int, Heard | None] = (-1, None)
         """The last slot handed over."""
         self._steering = Steering()
-        tally.starts += 1
+        counts.starts += 1
 
     def hear(self, sequence: int, heard: Heard, stepped: int) -> None:
         """Hold a beacon for its slot; `stepped` is the tick of the last own step."""
-        self.last_heard = max(self.last_heard, heard.at)
+        self.last_heard = max(self.last_heard, heard.time)
         slot = self._slot(heard.beacon.tick)
         if slot is None:
-            self.tally.removed += 1
+            self.counts.removed += 1
         elif slot in self._used:
-            self.tally.repeated += 1
+            self.counts.repeated += 1
             return
-        elif slot > max(stepped, math.floor(heard.at)) + HORIZON:
-            self.tally.early += 1
+        elif slot > max(stepped, math.floor(heard.time)) + HORIZON:
+            self.counts.early += 1
         else:
             self._used.add(slot)
             if slot >= stepped:
                 self._waiting[slot] = heard
             else:
-                self.tally.late += 1
+                self.counts.late += 1
         self._advance(heard.beacon.tick, sequence)
-        if slot is not None and (shift := self._steering.shift(slot + 1 - heard.at, heard.at)):
+        if slot is not None and (shift := self._steering.shift(slot + 1 - heard.time, heard.time)):
             self._change(shift)
 
     def take(self, tick: int) -> Heard | None:
         """The beacon of the slot before `tick`, None if it was lost. Each slot is taken once, in ascending order."""
         slot = tick - 1
         heard = self._waiting.pop(slot, None)
-        skipped = [other for other in self._waiting if other < slot]
-        for other in skipped:
-            del self._waiting[other]
-        self._used = {other for other in self._used if other > slot - HORIZON}
-        self.tally.skipped += len(skipped)
+        skipped = [earlier for earlier in self._waiting if earlier < slot]
+        for earlier in skipped:
+            del self._waiting[earlier]
+        self._used = {used for used in self._used if used > slot - HORIZON}
+        self.counts.skipped += len(skipped)
         if heard is not None:
-            self.tally.heard += 1
+            self.counts.heard += 1
         elif slot == self._inserted:
-            self.tally.inserted += 1
+            self.counts.inserted += 1
             heard = self._last[1] if self._last[0] == slot - 1 else None
         else:
-            self.tally.missed += 1
+            self.counts.missed += 1
         self._last = slot, heard
         return heard
 
@@ -103,7 +103,7 @@ class Slots:
         """Count the ticks since the newest one in which the peer sent nothing."""
         newest, its_sequence = self._newest
         if tick > newest:
-            self.tally.unsent += max(0, (tick - newest) - (sequence - its_sequence))
+            self.counts.unsent += max(0, (tick - newest) - (sequence - its_sequence))
             self._newest = tick, sequence
 
     def _change(self, shift: int) -> None:

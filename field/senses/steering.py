@@ -9,7 +9,7 @@ apart, so a change of one tick never leads to its reverse.
 
 With LEAST = 0.25 the clocks have 5 ms to drift apart before a beacon comes too late, at 20 ms per tick. A full window
 of 50 beacons lasts 1 s, in which they drift by 0.1 ms; without most of its beacons a window lasts 500 ticks, or 1 ms
-of drift. The quantile leaves out up to 3 of 50 beacons, which hiccups of a network or of a process may delay.
+of drift. The quantile excludes up to 3 of 50 beacons, which hiccups of a network or of a process may delay.
 """
 
 import math
@@ -27,7 +27,7 @@ TICKS = 500
 """Ticks after which a window ends with fewer beacons."""
 
 OUTLIERS = 16
-"""One of so many beacons is left out as an outlier."""
+"""One of so many beacons is excluded as an outlier."""
 
 
 class Steering:

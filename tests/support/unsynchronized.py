@@ -5,6 +5,7 @@ moment, and arrives after a delay. No robot is told anything else.
 """
 
 import heapq
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,12 +15,20 @@ from fes.arrays.types import Floats
 from fes.model import kinematics
 from fes.protocol.messages import Beacon, Command, Welcome, decode_beacon, decode_command
 from fes.protocol.sealed import Sealed
+from field.senses.own_poses import Pose
 from field.senses.senses import Senses
 from tests.support.measured_links import rayleigh
 from world.config.scenario import Scenario, agent_config
 
+
 OPTIMUM = 68.11376
 """The separation that every link should have [m]."""
+
+SETTLED = 10.0
+"""Time from which the robots only follow the dither [s]: the team is within 1 m of the optimum before."""
+
+SAMPLE = 10
+"""From SETTLED on, one of so many ticks is a sample."""
 
 REACH = 150.0
 """Range of the radio [m]."""
@@ -40,10 +49,12 @@ class Team:
     """Time of each own step of robot 0 [s]."""
     errors: list[float] = field(default_factory=list)
     """Mean of all estimates less the optimum, at these times [m]."""
-    shifts: list[float] = field(default_factory=list)
-    """Errors of the separations that the crews measure [m], once per second of each robot."""
-    corrected: list[float] = field(default_factory=list)
-    """The same with the own pose at reception [m]."""
+    by_slot: list[float] = field(default_factory=list)
+    """Error of separations between a beacon's pose and the own pose at its slot, which a crew uses [m]: a sample."""
+    by_reception: list[float] = field(default_factory=list)
+    """The same with the own pose at its reception [m]."""
+    delivered: int = 0
+    """Beacons that the channel let pass."""
     heard: int = 0
     """Beacons that the radios heard."""
     strict: int = 0
@@ -59,6 +70,8 @@ class Team:
         config = agent_config(self.scenario)
         self._crews = [HostedCrew(Welcome((robot,), config)) for robot in range(n)]
         self.senses = [Senses(robot, round(2.0 / self.dt)) for robot in range(n)]
+        self._own: list[Pose] = [(0.0, 0.0, 0.0)] * n
+        self._true: dict[tuple[int, Pose], Floats] = {}
         self._on_air: list[list[tuple[float, Sealed, Beacon]]] = [[] for _ in range(n)]
         self._estimates: list[Command | None] = [None] * n
 
@@ -85,16 +98,26 @@ class Team:
         self._move(now)
         pose = tuple(self.poses[robot].tolist())
         observation, beacons = self.senses[robot].step(tick, pose, tick, 0)
+        if tick % SAMPLE == 0 and now >= SETTLED:
+            self._compare(robot, tick, beacons)
         crew = self._crews[robot]
         [(_, payload, command)] = crew.answer(crew.observe([observation]), beacons)
-        self._estimates[robot] = decode_command(command)
-        self._twists[robot] = self._estimates[robot].twist
+        answer = self._estimates[robot] = decode_command(command)
+        self._twists[robot] = answer.twist
         self._send(now, robot, Sealed(robot, 1, tick, payload))
         if robot == 0:
-            told = [answer.estimates for answer in self._estimates if answer is not None]
+            told = [each.estimates for each in self._estimates if each is not None]
             mean = np.concatenate(told).mean() if sum(map(len, told)) else np.nan
             self.times.append(now)
             self.errors.append(float(mean - OPTIMUM))
+
+    def _compare(self, robot: int, tick: int, beacons: list[Beacon]) -> None:
+        """Compare separations by two own poses with the true one when the beacon was sent."""
+        pairs = zip(beacons, self.senses[robot].poses_at_reception(), strict=True)
+        for beacon, at_reception in pairs:
+            true = self._true[beacon.robot, beacon.pose][robot]
+            for own, errors in ((self._own[robot], self.by_slot), (at_reception, self.by_reception)):
+                errors.append(math.hypot(beacon.pose[0] - own[0], beacon.pose[1] - own[1]) - true)
 
     def _listen(self, now: float, robot: int, tick: int) -> None:
         """Hand the senses what has arrived until now."""
@@ -113,6 +136,9 @@ class Team:
         decoded = (self._rng.random(len(self.poses)) < rayleigh(separation)) & (separation < REACH)
         decoded[robot] = False
         beacon = decode_beacon(sealed.payload)
+        self._true[robot, beacon.pose] = separation
+        self._own[robot] = beacon.pose
+        self.delivered += int(decoded.sum())
         for peer in np.flatnonzero(decoded).tolist():
             arrival = now + self.jitter * self._rng.random()
             heapq.heappush(self._on_air[peer], (arrival, sealed, beacon))

@@ -97,6 +97,6 @@ def test_a_holder_of_the_key_cannot_name_a_robot_out_of_bounds() -> None:
     ],
     ids=["negative robot", "robot", "boot", "sequence", "payload"],
 )
-def test_what_does_not_fit_a_datagram_is_not_sealed(message: Sealed) -> None:
+def test_numbers_and_payloads_out_of_bounds_are_not_sealed(message: Sealed) -> None:
     with pytest.raises(MessageError, match="must"):
         datagram(message)

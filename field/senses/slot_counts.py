@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass
-class Tally:
+class SlotCounts:
     """Slots and beacons of one peer since the robot's start. A slot is an own tick while the peer is in range."""
 
     heard: int = 0
