@@ -46,7 +46,7 @@ class Tabletop:
         """The table [tabletop] of the scenario."""
         self._bodies = team.create(scenario, config)
         self._reachability = Reachability(scenario)
-        self.relay: Relay[Place] = Relay(scenario.robots.number, self._reachability.at(self._full_size(), 0.0))
+        self.relay: Relay[Place] = Relay(scenario.robots.number, self._reachability.measure(self._full_size(), 0.0))
         self.drivers: Drivers | None = None
         """The drivers; bodies without them stand still."""
         self.truth: TextIO | None = None
@@ -81,7 +81,7 @@ class Tabletop:
         if self.drivers is not None:
             self.drivers.report(self._steps, self._bodies.poses(), self._bodies.twists(), time.time_ns())
         if self._steps % counts.ticks_of(REFRESH, step) == 0:
-            self.relay.reach = self._reachability.at(self._full_size(), self.time)
+            self.relay.reach = self._reachability.measure(self._full_size(), self.time)
         if self.truth is not None and self._steps % counts.ticks_of(truth_file.PERIOD, step) == 0:
             line = truth_file.line(self.time, now, self._full_size(), self._bodies.twists(), self.relay)
             print(line, file=self.truth)
