@@ -4,12 +4,11 @@ import os
 import time
 from collections import deque
 
+from fes.arrays.types import Floats
 from fes.ros import graph, messages, topics
 from fes.ros.graph import Node
 from fes.ros.messages import PoseMessage
 from fes.ros.topics import Topic
-
-from fes.arrays.types import Floats
 from fes.transport import foreign
 from fes.transport.bus import Bus
 from world.config.hardware.tabletop import TabletopConfig
@@ -60,7 +59,7 @@ class Drivers:
     """The drivers of a team; their reports are spread over the period of the poses, as those of real robots are."""
 
     def __init__(self, opened: Bus, config: TabletopConfig, robots: int) -> None:
-        self._period = config.steps_per_pose
+        self._period = config.steps_per_pose // config.steps_per_turn
         self._drivers = [Driver(opened, config, robot) for robot in range(robots)]
 
     @property
@@ -78,7 +77,7 @@ class Drivers:
         for robot, driver in enumerate(self._drivers):
             bodies.command(robot, *driver.obey(now))
 
-    def report(self, step: int, poses: Floats, twists: Floats, stamp: int) -> None:
-        """Publish the poses [n, 3] of the robots whose turn it is at this step, stamped with a time [ns]."""
-        for robot in range(step % self._period, len(self._drivers), self._period):
+    def report(self, turn: int, poses: Floats, twists: Floats, stamp: int) -> None:
+        """Publish the poses [n, 3] of the robots due at this turn, stamped with a time [ns]."""
+        for robot in range(turn % self._period, len(self._drivers), self._period):
             self._drivers[robot].report(poses[robot].tolist(), twists[robot].tolist(), stamp)

@@ -7,9 +7,8 @@ without a word: a message of another type, and in the style rmw_zenoh a message 
 
 from typing import NamedTuple
 
-from fes.ros import messages, topics
-
 from fes.errors import MessageError
+from fes.ros import messages, topics
 from world.config.hardware.tabletop import TabletopConfig
 
 AT_REST = (0.0, 0.0)
