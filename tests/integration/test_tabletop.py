@@ -3,6 +3,7 @@
 import asyncio
 import math
 import socket
+import time
 from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any
@@ -18,6 +19,7 @@ from fes.transport import foreign
 from tests.support import loop
 from tests.support.processes import PATIENCE
 from tests.support.tables import Gate, command, table, until
+from world.tabletop.process import Tabletop
 from world.tabletop.radio import radio_socket
 from world.tabletop.radio.radio_socket import Place
 from world.tabletop.radio.reachability import Reachability
@@ -136,6 +138,32 @@ def test_a_driver_without_a_timeout_drives_on_and_one_with_a_timeout_stops() -> 
             assert {pose.twist for pose in gate.poses[count:]} == {(0.1, 0.0)}
 
     run(main)
+
+
+def test_a_table_that_is_too_late_warns_once_and_its_bodies_stand_still_meanwhile(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async def main() -> None:
+        async with table() as (running, outside):
+            gate = Gate(outside, running.config, 0)
+            await command(running, gate, 0.2, 0.0)
+            for stall in (1, 2):
+                await until(lambda: gate.poses and gate.poses[-1].twist == (0.2, 0.0))
+                began, moved, lost = time.monotonic(), running.time, running.lost
+                while time.monotonic() < began + 0.5:
+                    pass  # as a stopped process: the loop does nothing
+                await until(partial(has_lost, running, lost + 0.3))  # of 0.5 s, the last 0.1 s are made up for
+                elapsed = time.monotonic() - began
+                assert running.time - moved <= elapsed - 0.3, stall
+        late = [record for record in caplog.records if "too late for real time" in record.message]
+        assert len(late) == 1
+
+    run(main)
+
+
+def has_lost(running: Tabletop, seconds: float) -> bool:
+    """True if the bodies have stood still for so many seconds."""
+    return running.lost >= seconds
 
 
 def test_the_relay_forwards_the_channels_share_of_datagrams_unchanged() -> None:

@@ -59,7 +59,7 @@ class Drivers:
     """The drivers of a team; their reports are spread over the period of the poses, as those of real robots are."""
 
     def __init__(self, opened: Bus, config: TabletopConfig, robots: int) -> None:
-        self._period = config.steps_per_pose // config.steps_per_turn
+        self._period = config.steps_per_pose // config.steps_per_cycle
         self._drivers = [Driver(opened, config, robot) for robot in range(robots)]
 
     @property
@@ -77,7 +77,7 @@ class Drivers:
         for robot, driver in enumerate(self._drivers):
             bodies.command(robot, *driver.obey(now))
 
-    def report(self, turn: int, poses: Floats, twists: Floats, stamp: int) -> None:
-        """Publish the poses [n, 3] of the robots due at this turn, stamped with a time [ns]."""
-        for robot in range(turn % self._period, len(self._drivers), self._period):
+    def report(self, cycle: int, poses: Floats, twists: Floats, stamp: int) -> None:
+        """Publish the poses [n, 3] of the robots due at this cycle, stamped with a time [ns]."""
+        for robot in range(cycle % self._period, len(self._drivers), self._period):
             self._drivers[robot].report(poses[robot].tolist(), twists[robot].tolist(), stamp)

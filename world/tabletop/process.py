@@ -53,34 +53,34 @@ class Tabletop:
         """The file that gets the truth."""
         self.lost = 0.0
         """Time for which the bodies have stood still, as this process was too late [s]."""
-        self._period = config.steps_per_turn * config.physics_step
-        self._turns = 0
+        self._period = config.steps_per_cycle * config.physics_step
+        self._cycles = 0
 
     @property
     def time(self) -> float:
         """Time of the bodies [s]."""
-        return self._turns * self._period
+        return self._cycles * self._period
 
     async def main_loop(self) -> None:
         """Move the bodies in real time, until this task is cancelled."""
         pacing = Pacing(self._period, time.monotonic())
         while True:
             for _ in range(pacing.due(time.monotonic())):
-                self.turn()
+                self.cycle()
             if pacing.lost and not self.lost:
                 _logger.warning("too late for real time: the bodies stood still for %.2f s", pacing.lost)
             self.lost = pacing.lost
             await asyncio.sleep(max(0.0, pacing.next - time.monotonic()))
 
-    def turn(self) -> None:
-        """One turn of bodies, drivers, relay and truth."""
+    def cycle(self) -> None:
+        """One cycle of bodies, drivers, relay and truth."""
         now = time.monotonic()
         if self.drivers is not None:
             self.drivers.obey(self._bodies, now)
         self._bodies.step(self._period)
-        self._turns += 1
+        self._cycles += 1
         if self.drivers is not None:
-            self.drivers.report(self._turns, self._bodies.poses(), self._bodies.twists(), time.time_ns())
+            self.drivers.report(self._cycles, self._bodies.poses(), self._bodies.twists(), time.time_ns())
         if self._is_due(REFRESH):
             self.relay.reach = self._reachability.measure(self._full_size(), self.time)
         if self.truth is not None and self._is_due(truth_file.PERIOD):
@@ -88,8 +88,8 @@ class Tabletop:
             print(truth_file.line(self.time, now, self._full_size(), twists, self.relay), file=self.truth)
 
     def _is_due(self, period: float) -> bool:
-        """True at the turns at which a `period` [s] ends."""
-        return self._turns % counts.ticks_of(period, self._period) == 0
+        """True at the cycles at which a `period` [s] ends."""
+        return self._cycles % counts.ticks_of(period, self._period) == 0
 
     def _full_size(self) -> Floats:
         return team.at_full_size(self._bodies.poses(), self.config.scale)

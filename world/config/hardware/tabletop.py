@@ -89,8 +89,8 @@ class TabletopConfig(Table):
         return counts.ticks_of(1.0 / self.pose_rate, self.physics_step)
 
     @property
-    def steps_per_turn(self) -> int:
-        """Steps of the bodies in a turn of a driver's loop: of at most DRIVER_PERIOD, if it is more than one step."""
+    def steps_per_cycle(self) -> int:
+        """Steps of the bodies in a cycle of a driver's loop: of at most DRIVER_PERIOD, if it is more than one step."""
         return max(
             steps
             for steps in range(1, self.steps_per_pose + 1)

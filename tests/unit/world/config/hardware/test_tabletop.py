@@ -38,9 +38,9 @@ def test_a_pose_is_published_after_a_whole_number_of_steps(rate: float, step: fl
 @settings(max_examples=50, deadline=None)
 def test_a_driver_takes_its_commands_after_10_ms_at_the_latest_or_after_each_step(rate: float, step: float) -> None:
     config = TabletopConfig(pose_rate=rate, physics_step=step)
-    assert config.steps_per_pose % config.steps_per_turn == 0
-    assert config.steps_per_turn == 1 or config.steps_per_turn * step <= 0.010001
-    assert TabletopConfig().steps_per_turn == 2
+    assert config.steps_per_pose % config.steps_per_cycle == 0
+    assert config.steps_per_cycle == 1 or config.steps_per_cycle * step <= 0.010001
+    assert TabletopConfig().steps_per_cycle == 2
 
 
 @pytest.mark.parametrize(
