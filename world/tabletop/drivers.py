@@ -16,7 +16,7 @@ from world.tabletop.bodies.interface import Bodies
 from world.tabletop.held_command import Arrival, HeldCommand
 
 WAITING = 64
-"""Commands of one robot that wait for the next step; when there are more the oldest is dropped."""
+"""Commands of one robot that wait for the next cycle; when there are more the oldest is dropped."""
 
 
 class Driver:

@@ -90,7 +90,7 @@ class TabletopConfig(Table):
 
     @property
     def steps_per_cycle(self) -> int:
-        """Steps of the bodies in a cycle of a driver's loop: of at most DRIVER_PERIOD, if it is more than one step."""
+        """Steps of the bodies in a cycle of a driver's loop: at most DRIVER_PERIOD, if it is more than one."""
         return max(
             steps
             for steps in range(1, self.steps_per_pose + 1)
