@@ -3,7 +3,9 @@
 import asyncio
 import math
 import socket
+import time
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,7 @@ from fes.transport import foreign
 from tests.support import loop
 from tests.support.processes import PATIENCE
 from tests.support.tables import Gate, command, table, until
+from world.tabletop.process import Tabletop
 from world.tabletop.radio import radio_socket
 from world.tabletop.radio.radio_socket import Place
 from world.tabletop.radio.reachability import Reachability
@@ -95,23 +98,21 @@ def test_ten_drivers_of_rmw_zenoh_show_in_the_graph_and_bridges_leave_theirs_to_
     run(main)
 
 
-def test_a_command_of_another_type_moves_no_body_in_either_style() -> None:
+@pytest.mark.parametrize(("style", "ignored"), [("ros2dds", 5), ("rmw_zenoh", 0)])
+def test_a_command_of_another_type_moves_no_body(style: str, ignored: int) -> None:
     async def main() -> None:
-        for style in ("ros2dds", "rmw_zenoh"):
-            async with table(style=style) as (running, outside):
-                gate = Gate(outside, running.config, 0)
-                other = Topic(running.config.style, "/robot0/cmd_vel", "TwistStamped")
-                put = foreign.declare_publisher(outside, topics.publish_key(other))
-                await command(running, gate, 0.0, 0.0)
-                for number in range(1, 6):
-                    put(
-                        messages.write_twist("TwistStamped", 0.2, 0.0), topics.attachment(other, number, 0, bytes(16))
-                    )
-                await command(running, gate, 0.0, 0.1)  # on the same session, so it arrives after them
-                assert running.drivers is not None
-                assert running.drivers.ignored == (5 if style == "ros2dds" else 0)  # another type has another key
-                await until(lambda gate=gate: gate.poses[-1].heading > gate.poses[0].heading)
-                assert (gate.poses[-1].x, gate.poses[-1].y) == (0.0, 0.0)
+        async with table(style=style) as (running, outside):
+            drivers, gate = running.drivers, Gate(outside, running.config, 0)
+            assert drivers is not None
+            other = Topic(running.config.style, "/robot0/cmd_vel", "TwistStamped")
+            put = foreign.declare_publisher(outside, topics.publish_key(other))
+            await command(running, gate, 0.0, 0.0)
+            for number in range(1, 6):
+                put(messages.write_twist("TwistStamped", 0.2, 0.0), topics.attachment(other, number, 0, bytes(16)))
+            await command(running, gate, 0.0, 0.1)  # on the same session, so it arrives after them
+            assert drivers.ignored == ignored  # another type has another key in the style rmw_zenoh
+            await until(lambda: gate.poses and gate.poses[-1].heading > gate.poses[0].heading)
+            assert (gate.poses[-1].x, gate.poses[-1].y) == (0.0, 0.0)
 
     run(main)
 
@@ -139,13 +140,39 @@ def test_a_driver_without_a_timeout_drives_on_and_one_with_a_timeout_stops() -> 
     run(main)
 
 
+def test_a_table_that_is_too_late_warns_once_and_its_bodies_stand_still_meanwhile(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async def main() -> None:
+        async with table() as (running, outside):
+            gate = Gate(outside, running.config, 0)
+            await command(running, gate, 0.2, 0.0)
+            for stall in (1, 2):
+                await until(lambda: gate.poses and gate.poses[-1].twist == (0.2, 0.0))
+                began, moved, lost = time.monotonic(), running.time, running.lost
+                while time.monotonic() < began + 0.5:
+                    pass  # as a stopped process: the loop does nothing
+                await until(partial(has_lost, running, lost + 0.3))  # of 0.5 s, the last 0.1 s are made up for
+                elapsed = time.monotonic() - began
+                assert running.time - moved <= elapsed - 0.3, stall
+        late = [record for record in caplog.records if "too late for real time" in record.message]
+        assert len(late) == 1
+
+    run(main)
+
+
+def has_lost(running: Tabletop, seconds: float) -> bool:
+    """True if the bodies have stood still for so many seconds."""
+    return running.lost >= seconds
+
+
 def test_the_relay_forwards_the_channels_share_of_datagrams_unchanged() -> None:
     separations, count = (60.0, 120.0), 2000
     poses = [(0.0, 0.0, 0.0), (separations[0], 0.0, 0.0), (0.0, separations[1], 0.0)]
     scenario = loop.load("tabletop.toml", robots__poses=poses)
 
     async def main() -> None:
-        relay: Relay[Place] = Relay(3, Reachability(scenario).at(np.array(poses), 0.0))
+        relay: Relay[Place] = Relay(3, Reachability(scenario).measure(np.array(poses), 0.0))
         with radio_socket.opened(("127.0.0.1", 0), relay, sealed.sender, seed=1) as radio:
             host, _, port = radio.place.rpartition(":")
             robots = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3)]
@@ -161,7 +188,7 @@ def test_the_relay_forwards_the_channels_share_of_datagrams_unchanged() -> None:
                 for first in range(0, count, 50):
                     for data in sent[first : first + 50]:
                         robots[0].send(data)
-                    await until(lambda first=first: relay.sent[0, 1] - before[1] == first + 50)
+                    await until(partial(has_sent, relay, int(before[1]) + first + 50))
                     for robot, its in enumerate(robots):
                         heard[robot] |= waiting(its)
             finally:
@@ -179,6 +206,11 @@ def test_the_relay_forwards_the_channels_share_of_datagrams_unchanged() -> None:
     run(main)
 
 
+def has_sent(relay: Relay[Place], count: int) -> bool:
+    """True if the relay has taken so many datagrams from robot 0 to robot 1."""
+    return bool(relay.sent[0, 1] == count)
+
+
 def datagram(robot: int, number: int) -> bytes:
     return sealed.seal(b"key", "test", robot, 1, number, b"beacon")
 
@@ -192,9 +224,9 @@ def waiting(its: socket.socket) -> set[bytes]:
             return datagrams
 
 
-def test_a_relay_whose_port_is_taken_says_so_and_a_flood_of_nonsense_is_counted_only() -> None:
+def test_a_relay_whose_port_is_taken_reports_it_and_a_flood_of_nonsense_is_counted_only() -> None:
     async def main() -> None:
-        relay: Relay[Place] = Relay(10, Reachability(loop.load("tabletop.toml")).at(np.zeros((10, 3)), 0.0))
+        relay: Relay[Place] = Relay(10, Reachability(loop.load("tabletop.toml")).measure(np.zeros((10, 3)), 0.0))
         with radio_socket.opened(("127.0.0.1", 0), relay, sealed.sender, seed=1) as radio:
             host, _, port = radio.place.rpartition(":")
             with (

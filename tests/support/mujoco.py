@@ -4,7 +4,9 @@ import importlib.util
 
 import pytest
 
+from fes.system import distribution
+
 needs_mujoco = pytest.mark.skipif(
     importlib.util.find_spec("mujoco") is None,
-    reason="MuJoCo is not installed: pip install -e '.[mujoco]' has these tests run",
+    reason=f"MuJoCo is not installed; these tests run after {distribution.install('mujoco')}",
 )

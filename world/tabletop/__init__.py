@@ -1,6 +1,4 @@
-"""A table with small robots: bodies and their vendor's drivers, and a radio that loses beacons as the channel does.
-
-It stands in for hardware and knows the truth; robots learn from it only their own poses, and what their radios hear.
+"""A table with small robots in place of hardware. It knows the truth, of which robots learn only their own poses.
 
 bodies        bodies: exact ones, and those of MuJoCo
 held_command  the rules by which a driver obeys

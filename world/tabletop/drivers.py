@@ -16,7 +16,7 @@ from world.tabletop.bodies.interface import Bodies
 from world.tabletop.held_command import Arrival, HeldCommand
 
 WAITING = 64
-"""Commands of one robot that wait for the next step; when there are more the oldest is dropped."""
+"""Commands of one robot that wait for the next cycle; when there are more the oldest is dropped."""
 
 
 class Driver:
@@ -59,7 +59,7 @@ class Drivers:
     """The drivers of a team; their reports are spread over the period of the poses, as those of real robots are."""
 
     def __init__(self, opened: Bus, config: TabletopConfig, robots: int) -> None:
-        self._period = config.steps_per_pose
+        self._period = config.steps_per_pose // config.steps_per_cycle
         self._drivers = [Driver(opened, config, robot) for robot in range(robots)]
 
     @property
@@ -77,7 +77,7 @@ class Drivers:
         for robot, driver in enumerate(self._drivers):
             bodies.command(robot, *driver.obey(now))
 
-    def report(self, step: int, poses: Floats, twists: Floats, stamp: int) -> None:
-        """Publish the poses [n, 3] of the robots whose turn it is at this step, stamped with a time [ns]."""
-        for robot in range(step % self._period, len(self._drivers), self._period):
+    def report(self, cycle: int, poses: Floats, twists: Floats, stamp: int) -> None:
+        """Publish the poses [n, 3] of the robots due at this cycle, stamped with a time [ns]."""
+        for robot in range(cycle % self._period, len(self._drivers), self._period):
             self._drivers[robot].report(poses[robot].tolist(), twists[robot].tolist(), stamp)

@@ -46,45 +46,50 @@ class Tabletop:
         """The table [tabletop] of the scenario."""
         self._bodies = team.create(scenario, config)
         self._reachability = Reachability(scenario)
-        self.relay: Relay[Place] = Relay(scenario.robots.number, self._reachability.at(self._full_size(), 0.0))
+        self.relay: Relay[Place] = Relay(scenario.robots.number, self._reachability.measure(self._full_size(), 0.0))
         self.drivers: Drivers | None = None
         """The drivers; bodies without them stand still."""
         self.truth: TextIO | None = None
         """The file that gets the truth."""
-        self._steps = 0
-        self._warned = False
+        self.lost = 0.0
+        """Time for which the bodies have stood still, as this process was too late [s]."""
+        self._period = config.steps_per_cycle * config.physics_step
+        self._cycles = 0
 
     @property
     def time(self) -> float:
         """Time of the bodies [s]."""
-        return self._steps * self.config.physics_step
+        return self._cycles * self._period
 
     async def main_loop(self) -> None:
         """Move the bodies in real time, until this task is cancelled."""
-        pacing = Pacing(self.config.physics_step, time.monotonic())
+        pacing = Pacing(self._period, time.monotonic())
         while True:
             for _ in range(pacing.due(time.monotonic())):
-                self.step()
-            if pacing.lost and not self._warned:
-                self._warned = True
+                self.cycle()
+            if pacing.lost and not self.lost:
                 _logger.warning("too late for real time: the bodies stood still for %.2f s", pacing.lost)
+            self.lost = pacing.lost
             await asyncio.sleep(max(0.0, pacing.next - time.monotonic()))
 
-    def step(self) -> None:
-        """One step of bodies, drivers, relay and truth."""
-        step = self.config.physics_step
+    def cycle(self) -> None:
+        """One cycle of bodies, drivers, relay and truth."""
         now = time.monotonic()
         if self.drivers is not None:
             self.drivers.obey(self._bodies, now)
-        self._bodies.step(step)
-        self._steps += 1
+        self._bodies.step(self._period)
+        self._cycles += 1
         if self.drivers is not None:
-            self.drivers.report(self._steps, self._bodies.poses(), self._bodies.twists(), time.time_ns())
-        if self._steps % counts.ticks_of(REFRESH, step) == 0:
-            self.relay.reach = self._reachability.at(self._full_size(), self.time)
-        if self.truth is not None and self._steps % counts.ticks_of(truth_file.PERIOD, step) == 0:
-            line = truth_file.line(self.time, now, self._full_size(), self._bodies.twists(), self.relay)
-            print(line, file=self.truth)
+            self.drivers.report(self._cycles, self._bodies.poses(), self._bodies.twists(), time.time_ns())
+        if self._is_due(REFRESH):
+            self.relay.reach = self._reachability.measure(self._full_size(), self.time)
+        if self.truth is not None and self._is_due(truth_file.PERIOD):
+            twists = self._bodies.twists()
+            print(truth_file.line(self.time, now, self._full_size(), twists, self.relay), file=self.truth)
+
+    def _is_due(self, period: float) -> bool:
+        """True at the cycles at which a `period` [s] ends."""
+        return self._cycles % counts.ticks_of(period, self._period) == 0
 
     def _full_size(self) -> Floats:
         return team.at_full_size(self._bodies.poses(), self.config.scale)
@@ -109,7 +114,9 @@ async def serve(scenario: Scenario, listen: tuple[str, ...], radio: Place, truth
                 await table.main_loop()
             finally:
                 sent, forwarded = int(table.relay.sent.sum()), int(table.relay.forwarded.sum())
-                _logger.info("%.1f s: %d of %d datagrams forwarded", table.time, forwarded, sent)
+                _logger.info(
+                    "%.1f s, and %.1f s lost: %d of %d datagrams forwarded", table.time, table.lost, forwarded, sent
+                )
                 obeyed, ignored = table.drivers.obeyed, table.drivers.ignored
                 _logger.info("%d commands obeyed, %d samples ignored", obeyed, ignored)
     return process.SUCCESS

@@ -13,6 +13,9 @@ from fes.model.table import Positive, Table
 ROBOT = "{robot}"
 """Stands for the robot's id in the name of a topic."""
 
+DRIVER_PERIOD = 0.01
+"""Longest period of a driver's loop [s], which takes commands and tells them to the motors."""
+
 MAX_STEPS = 1000
 """Largest number of physics steps between two poses that a driver publishes."""
 
@@ -84,6 +87,15 @@ class TabletopConfig(Table):
     def steps_per_pose(self) -> int:
         """Steps of the bodies between two poses of a driver."""
         return counts.ticks_of(1.0 / self.pose_rate, self.physics_step)
+
+    @property
+    def steps_per_cycle(self) -> int:
+        """Steps of the bodies in a cycle of a driver's loop: at most DRIVER_PERIOD, if it is more than one."""
+        return max(
+            steps
+            for steps in range(1, self.steps_per_pose + 1)
+            if self.steps_per_pose % steps == 0 and (steps == 1 or steps * self.physics_step <= DRIVER_PERIOD + 1e-9)
+        )
 
     def pose_topic_of(self, robot: int) -> str:
         """The topic of the poses of a robot."""

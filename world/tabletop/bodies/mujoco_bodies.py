@@ -9,6 +9,7 @@ from fes.arrays import geometry
 from fes.arrays.types import Floats
 from fes.errors import FesError
 from fes.model import counts
+from fes.system import distribution
 from world.config.hardware.tabletop import TabletopConfig
 from world.tabletop.bodies import interface, mujoco_model
 
@@ -58,4 +59,4 @@ def _library() -> Any:
     try:
         return importlib.import_module("mujoco")
     except ImportError:
-        raise FesError("bodies in MuJoCo need it: pip install 'fes-robots[mujoco]'") from None
+        raise FesError(f"bodies in MuJoCo need the extra 'mujoco': {distribution.install('mujoco')}") from None

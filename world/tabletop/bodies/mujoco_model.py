@@ -27,7 +27,7 @@ FLOOR, BODIES = 1, 2
 
 def mjcf(start: Floats, config: TabletopConfig) -> str:
     """The model of robots that start at `start` [n, 3] [m, m, rad; table frame]; joints and motors in their order."""
-    robots = "".join(_robot(robot, *pose, config) for robot, pose in enumerate(start.tolist()))
+    robots = "".join(_robot(robot, pose, config) for robot, pose in enumerate(start.tolist()))
     motors = "".join(_motor(f"{side}{robot}", config) for robot in range(len(start)) for side in ("left", "right"))
     step = _attributes(timestep=config.physics_step, integrator="implicitfast", cone="elliptic")
     return (
@@ -39,7 +39,8 @@ def mjcf(start: Floats, config: TabletopConfig) -> str:
     )
 
 
-def _robot(robot: int, x: float, y: float, heading: float, config: TabletopConfig) -> str:
+def _robot(robot: int, start: list[float], config: TabletopConfig) -> str:
+    x, y, heading = start
     radius, half_track, size = config.wheel_radius, 0.5 * config.track, config.body_radius
     caster = 0.5 * radius
     reach = size - caster

@@ -38,7 +38,7 @@ class Reachability:
         self._medium = channel.medium(scenario.run.seed, context)
         self._ids, self._present = np.arange(number), np.ones(number, dtype=np.bool_)
 
-    def at(self, poses: Floats, time: float) -> Reach:
+    def measure(self, poses: Floats, time: float) -> Reach:
         """The pairs in range at `poses` [n, 3] [m, m, rad; at full size], at a `time` of the run [s]."""
         config, number = self._scenario.channel, len(self._ids)
         near = neighbor_list.measure(self._ids, poses, config.communication_range, None)

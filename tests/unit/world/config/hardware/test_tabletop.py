@@ -3,6 +3,8 @@
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fes.errors import ScenarioError
 from tests.support import loop
@@ -32,8 +34,17 @@ def test_a_pose_is_published_after_a_whole_number_of_steps(rate: float, step: fl
     assert TabletopConfig(pose_rate=rate, physics_step=step).steps_per_pose == steps
 
 
+@given(st.floats(2.0, 50.0), st.sampled_from([0.0005, 0.001, 0.002, 0.003, 0.005, 0.02]))
+@settings(max_examples=50, deadline=None)
+def test_a_driver_takes_its_commands_after_10_ms_at_the_latest_or_after_each_step(rate: float, step: float) -> None:
+    config = TabletopConfig(pose_rate=rate, physics_step=step)
+    assert config.steps_per_pose % config.steps_per_cycle == 0
+    assert config.steps_per_cycle == 1 or config.steps_per_cycle * step <= 0.010001
+    assert TabletopConfig().steps_per_cycle == 2
+
+
 @pytest.mark.parametrize(
-    ("settings", "rule"),
+    ("changes", "rule"),
     [
         ({"pose_rate": 201.0}, "pose_rate must be at most 1 / physics_step, got 201"),
         ({"pose_rate": 0.1}, r"1 / \(pose_rate x physics_step\) must be at most 1000, got 2000"),
@@ -44,8 +55,8 @@ def test_a_pose_is_published_after_a_whole_number_of_steps(rate: float, step: fl
         ({"wheels": 3}, "wheels"),
     ],
 )
-def test_an_impossible_table_is_an_error_in_one_line(settings: dict[str, Any], rule: str) -> None:
-    overrides = {f"tabletop.{name}": value for name, value in settings.items()}
+def test_an_impossible_table_is_an_error_in_one_line(changes: dict[str, Any], rule: str) -> None:
+    overrides = {f"tabletop.{name}": value for name, value in changes.items()}
     with pytest.raises(ScenarioError, match=rule) as caught:
         scenario.load(CONFIGS / "tabletop.toml", overrides)
     assert "\n" not in str(caught.value)

@@ -1,6 +1,8 @@
 """Exact bodies on a table: arcs, top speeds, and the scale."""
 
 import math
+import re
+import sys
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fes.errors import FesError
+from fes.system import distribution
 from tests.support import loop
 from world.config.hardware.tabletop import TabletopConfig
 from world.tabletop.bodies import team
@@ -56,6 +59,6 @@ def test_a_team_starts_where_its_scenario_says_at_the_tables_scale() -> None:
 
 
 def test_bodies_in_mujoco_name_the_package_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
-    with pytest.raises(FesError, match=r"pip install 'fes-robots\[mujoco\]'"):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(FesError, match=re.escape(distribution.install("mujoco"))):
         team.create(loop.load("tabletop.toml"), TabletopConfig(body="mujoco"))

@@ -15,7 +15,7 @@ from world.tabletop.radio.relay import Relay
 
 def reach(*positions: tuple[float, float]) -> Reach:
     poses = [(*position, 0.0) for position in positions]
-    return Reachability(loop.load("tabletop.toml", robots__poses=poses)).at(np.array(poses), 0.0)
+    return Reachability(loop.load("tabletop.toml", robots__poses=poses)).measure(np.array(poses), 0.0)
 
 
 def test_the_probability_is_that_of_the_channel_at_the_true_separation_in_both_directions() -> None:
