@@ -219,7 +219,8 @@ def _checked(gate: Gate, settings: Settings, now: float) -> Gate:
         return gate
     x, y, heading = gate.seen.pose
     moved = motion.updated(gate.motion, window, now, gate.twist, (x / scale, y / scale, heading))
-    problem = motion.problem(moved, window, settings.limits)
+    is_complete = moved.samples is not gate.motion.samples  # a sample: only then may the judgment change
+    problem = motion.problem(moved, window, settings.limits) if is_complete else ""
     gate = gate._replace(motion=moved)
     return stopped(gate, problem) if problem else gate
 

@@ -48,9 +48,13 @@ class Process:
         settings, timing = self._settings, self._settings.timing
         team = Endpoints("client", settings.team, timeout=timing.patience, security=settings.team_security)
         body = Endpoints("client", (settings.body.endpoint,), timeout=timing.patience)
-        asyncio.get_running_loop().add_reader(self._agent.end, self._on_agent, asyncio.current_task())
-        async with bus.opened(team) as team_bus, bus.opened(body) as body_bus:
-            await self._serve(team_bus, body_bus)
+        loop = asyncio.get_running_loop()
+        loop.add_reader(self._agent.end, self._on_agent, asyncio.current_task())
+        try:
+            async with bus.opened(team) as team_bus, bus.opened(body) as body_bus:
+                await self._serve(team_bus, body_bus)
+        finally:
+            loop.remove_reader(self._agent.end)
 
     async def _serve(self, team: Bus, body: Bus) -> None:
         settings = self._settings

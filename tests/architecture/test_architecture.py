@@ -36,7 +36,7 @@ LAYERS = (
     {"agents.control", "world.simulation"},
     {"agents.core"},
     {"agents.runtime", "world.metrics"},
-    {"agents.process", "world.execution"},
+    {"agents.process", "field.gate", "world.execution"},
     {"agents.__main__", "world.flags", "world.server"},
     {"world.process"},
     {"world.__main__", "console.guide", "console.schema", "console.terminal"},
@@ -55,8 +55,8 @@ layers above by its dotted path, only where it is used."""
 LAWS = {"fes.arithmetic", "fes.arrays", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
 LAWS_OF_AGENTS = ("agents.configuration.", "agents.laws.", "agents.rivals.")
-SHELLS = ("agents.runtime", "agents.process", "world.server", "world.process")
-"""The only packages of an agent or a world that import asyncio, or the transport."""
+SHELLS = ("agents.runtime", "agents.process", "field.gate", "world.server", "world.process")
+"""The only packages of an agent, a real robot or a world that import asyncio, or the transport."""
 INTERFACE = "fes/extension"
 """The only package whose `__init__` has more than a docstring: others import names from it."""
 LARGEST_FOLDER = 12

@@ -58,7 +58,9 @@ class Rig:
         message = PoseMessage(self.stamp if stamp is None else stamp, frame, x + shift, y, heading)
         self.gate = rules.posed(self.gate, self.settings, self.now, message)
 
-    def command(self, linear: float, angular: float = 0.0, age: float = 0.0, step: int = 1, heard: float = 0.0) -> None:
+    def command(
+        self, linear: float, angular: float = 0.0, age: float = 0.0, step: int = 1, heard: float = 0.0
+    ) -> None:
         """A command arrives that was computed `age` [s] ago; its robot heard a peer `heard` [s] ago."""
         self.sequence += step
         order = Order(self.sequence, self.now - age, linear, angular, self.now - heard)

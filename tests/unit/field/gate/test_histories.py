@@ -33,7 +33,9 @@ class Watch:
     def command(self, value: int, age: float) -> None:
         linear, angular = VALUES[value % 8], VALUES[(value // 8) % 8]
         rig = self.rig
-        rig.command(linear, angular, age=age, step=-1 if value % 31 == 30 else 1, heard=0.6 if value % 13 == 12 else 0.0)
+        rig.command(
+            linear, angular, age=age, step=-1 if value % 31 == 30 else 1, heard=0.6 if value % 13 == 12 else 0.0
+        )
         if math.isfinite(linear) and math.isfinite(angular) and 0 <= rig.now - (rig.now - age) <= 0.1:
             self.usable.append(rig.now - age)
             self.quiet_for = max(0.0, min(self.quiet_for, age))

@@ -21,7 +21,9 @@ def status(reason: str, mode: str = HELD) -> GateStatus:
 
 
 @given(st.integers(0, 2**64 - 1), times, numbers, numbers, times)
-def test_a_command_survives_its_frame(sequence: int, computed: int, linear: float, angular: float, heard: int) -> None:
+def test_a_command_survives_its_frame(
+    sequence: int, computed: int, linear: float, angular: float, heard: int
+) -> None:
     command = Command(sequence, computed, linear, angular, heard)
     assert link.decode_command(link.encode_command(command)) == command
 

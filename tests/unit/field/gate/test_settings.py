@@ -93,7 +93,8 @@ def test_a_body_on_this_machine_is_accepted(endpoint: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[]", "{", "null", "{}", FULL.to_json().replace("fence", "fences"), FULL.to_json().replace("0.4", "NaN")]
+    "text",
+    ["", "[]", "{", "null", "{}", FULL.to_json().replace("fence", "fences"), FULL.to_json().replace("0.4", "NaN")],
 )
 def test_broken_json_is_an_error_in_one_line(text: str) -> None:
     with pytest.raises(FesError) as error:
