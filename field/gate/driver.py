@@ -1,4 +1,4 @@
-"""The vendor's driver over Zenoh: poses come in, twists go out, and other programs that command the body are detected.
+"""The vendor's driver over Zenoh: poses come in, twists go out; other programs that command the body are detected.
 
 Handlers of Zenoh run in its threads. They only append to a bounded queue, and wake the loop.
 """
@@ -45,7 +45,7 @@ class Arrivals:
     def take(self) -> list[tuple[int, str, bytes]]:
         """The samples that wait: time [ns], key and payload; the oldest first."""
         self._is_woken = False  # before the samples, so that none stays without a wake-up
-        samples = []
+        samples: list[tuple[int, str, bytes]] = []
         while len(samples) < MOST_WAITING and self._waiting:
             samples.append(self._waiting.popleft())
         return samples

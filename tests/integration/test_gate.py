@@ -2,6 +2,8 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from itertools import pairwise
+from typing import Any
 
 import pytest
 
@@ -10,7 +12,8 @@ from fes.protocol.robot_control import HELD, RUNNING, STOPPED
 from fes.ros import graph, topics
 from fes.ros.messages import write_twist
 from fes.transport import foreign
-from field.gate.settings import TopicSettings
+from field.gate import gate as rules
+from field.gate.settings import Timing, TopicSettings
 from tests.support.gate_stage import PATIENT, Stage, driving, gate, settings, stage, until
 from tests.support.processes import PATIENCE
 from tests.support.session import client
@@ -37,7 +40,8 @@ async def start(on: Stage) -> None:
 @pytest.mark.parametrize("pose", ["Odometry", "PoseStamped"])
 def test_a_robot_moves_after_its_start_and_stands_after_a_stop(style: str, command: str, pose: str) -> None:
     async def main() -> None:
-        parts = {"pose": TopicSettings("robot3/pose", pose), "command": TopicSettings("robot3/cmd_vel", command)}
+        names = {"pose": ("robot3/pose", pose), "command": ("robot3/cmd_vel", command)}
+        parts: dict[str, Any] = {name: TopicSettings(*words) for name, words in names.items()}
         async with stage(style=style, domain=7, **parts) as on, gate(on.settings) as link, driving(link, 0.1):
             await until(lambda: link.pose is not None)
             assert on.body.received == []  # nothing before the first start
@@ -65,9 +69,7 @@ def test_the_agent_gets_the_poses_in_the_team_frame_and_the_state_of_its_gate() 
             await until(lambda: link.pose is not None and link.pose.pose[0] > 0.01)
             poses = link.take()
             assert len(poses) > 5
-            assert all(
-                first.received_at <= second.received_at for first, second in zip(poses, poses[1:], strict=False)
-            )
+            assert all(first.received_at <= second.received_at for first, second in pairwise(poses))
             await on.operator.stop()
             await until(lambda: link.progress is not None and link.progress.reason == "stopped by the operator")
 
@@ -159,7 +161,7 @@ def test_a_cause_of_the_table_stops_the_robot_and_it_stays_stopped(cause: str, s
 
 def test_a_body_without_power_is_stopped_by_the_check_of_its_motion() -> None:
     async def main() -> None:
-        async with stage(PATIENT.__class__(lateness=0.5, timeout=0.5, pose_age=1.0, permit=3.0)) as on:
+        async with stage(Timing(lateness=0.5, timeout=0.5, pose_age=1.0, permit=3.0)) as on:
             on.body.gain = 0.0
             async with gate(on.settings) as link, driving(link, 0.2):
                 await start(on)
@@ -209,6 +211,23 @@ def test_a_second_gate_of_a_robot_is_refused_and_the_first_one_stays() -> None:
     run(main)
 
 
+def test_an_error_in_the_gate_itself_ends_it_with_zeros(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fail(on: Stage) -> None:
+        async with gate(on.settings) as link, driving(link, 0.1):
+            await start(on)
+            await on.speed(lambda linear: linear >= 0.1)
+            monkeypatch.setattr(rules, "updated", lambda *words: 1 / 0)
+            await on.speed(lambda linear: linear == 0.0)
+
+    async def main() -> None:
+        async with stage() as on:
+            with pytest.raises(ZeroDivisionError):
+                await fail(on)
+            await until(lambda: [twist.linear for twist in on.body.received[-5:]] == [0.0] * 5)
+
+    run(main)
+
+
 def test_the_end_of_the_agent_ends_the_gate_with_zeros() -> None:
     async def main() -> None:
         async with stage() as on:
@@ -218,6 +237,6 @@ def test_the_end_of_the_agent_ends_the_gate_with_zeros() -> None:
             await until(lambda: [twist.linear for twist in on.body.received[-5:]] == [0.0] * 5)
             steps = [twist.linear for twist in on.body.received]
             limit = on.settings.limits.acceleration * (PATIENT.period + PATIENT.lateness) + 1e-9
-            assert max(abs(second - first) for first, second in zip(steps, steps[1:], strict=False)) <= limit
+            assert max(abs(second - first) for first, second in pairwise(steps)) <= limit
 
     run(main)
