@@ -32,7 +32,7 @@ class Watch:
 
     def command(self, value: int, age: float) -> None:
         linear, angular = VALUES[value % 8], VALUES[(5 * value + value // 8) % 8]
-        rig, is_repeated = self.rig, value % 31 == 3
+        rig, is_repeated = self.rig, value % 31 == 3 and self.rig.gate.sequence == self.rig.sequence
         wanted = rig.gate.wanted
         rig.command(linear, angular, age, step=0 if is_repeated else 1, heard=0.6 if value % 13 == 12 else 0.0)
         if is_repeated:
