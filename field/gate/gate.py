@@ -128,9 +128,9 @@ def stopped(gate: Gate, reason: str) -> Gate:
 
 def posed(gate: Gate, settings: Settings, now: float, message: PoseMessage) -> Gate:
     """The gate after a pose of the body has arrived at `now` [s]."""
-    if problem := pose_guard.frame_problem(settings, message.frame):
-        return faulted(gate, problem)
     seen = pose_guard.seen(settings, now, message)
+    if problem := pose_guard.format_problem(settings, message.frame, seen):
+        return faulted(gate, problem)
     is_latched = gate.latch != ""
     if pose_guard.is_stale(gate.seen, seen, is_latched=is_latched):
         return gate

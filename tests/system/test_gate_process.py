@@ -106,6 +106,30 @@ def test_a_frozen_agent_stops_the_body_and_its_stale_commands_never_move_it() ->
     run(main)
 
 
+def test_a_frozen_gate_refuses_what_was_queued_meanwhile_and_then_resumes() -> None:
+    async def main() -> None:
+        async with stage(TIMING) as on, agent(on) as (_, gate):
+            before, event = await on.operator.status(), now()
+            os.kill(gate, signal.SIGSTOP)
+            await until(lambda: now() - event > 2 * TIMING.lateness)
+            count = len(on.body.received)
+            os.kill(gate, signal.SIGCONT)
+            await until(lambda: len(on.body.received) > count + 1)
+            assert abs(on.body.received[count + 1].linear) < SPEED  # its loop was late: it commands zero first
+            await on.speed(lambda linear: linear >= SPEED)
+            assert (await on.operator.status()).refused > before.refused + 5
+
+    run(main)
+
+
+def test_a_gate_starts_without_unused_libraries() -> None:
+    code = "import sys, field.gate.__main__; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "field.gate.process" in loaded
+    assert not {"agents", "console", "mcap", "pydantic", "rich", "typer", "world"} & loaded
+
+
 def test_a_told_end_slows_the_body_down_within_the_bound() -> None:
     async def main() -> None:
         async with stage(TIMING) as on, agent(on) as (running, gate):

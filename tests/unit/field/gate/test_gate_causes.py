@@ -6,6 +6,7 @@ import pytest
 
 from fes.protocol.robot_control import HELD, RUNNING, STOPPED
 from field.gate import gate as rules
+from field.gate.settings import Placement
 from tests.support.gates import PERIOD, Rig, running, settings
 
 CAUSES: dict[str, Callable[[Rig], None]] = {
@@ -36,6 +37,15 @@ def test_a_stop_is_latched_and_only_a_start_releases_it(cause: str) -> None:
     rig.run(0.2, -0.1)
     assert rig.status.mode == RUNNING
     assert rig.gate.twist[0] < 0
+
+
+def test_a_pose_out_of_range_stops_the_robot_and_is_not_shown() -> None:
+    rig = running(0.1, settings(placement=Placement(scale=100.0)))
+    before = rig.status.pose
+    rig.see(shift=1e307)
+    assert (rig.status.mode, rig.status.reason) == (STOPPED, "the pose and its twist must be finite at full size")
+    assert rig.status.pose == before
+    assert rig.start() == rig.status.reason
 
 
 def test_a_lapsed_permit_stops_the_robot_and_a_new_one_does_not_release_it() -> None:
