@@ -1,4 +1,4 @@
-"""The vendor's driver over Zenoh: poses come in, twists go out, and other programs that command the body are detected.
+"""The vendor's driver over Zenoh: poses come in, twists go out; other programs that command the body are detected.
 
 Handlers of Zenoh run in its threads. They only append to a bounded queue, and wake the loop.
 """
@@ -45,7 +45,7 @@ class Arrivals:
     def take(self) -> list[tuple[int, str, bytes]]:
         """The samples that wait: time [ns], key and payload; the oldest first."""
         self._is_woken = False  # before the samples, so that none stays without a wake-up
-        samples = []
+        samples: list[tuple[int, str, bytes]] = []
         while len(samples) < MOST_WAITING and self._waiting:
             samples.append(self._waiting.popleft())
         return samples
@@ -64,7 +64,7 @@ class Driver:
         self._session = str(bus.session.zid())
         self._gid = os.urandom(topics.GID_LENGTH)
         self._sequence = 0
-        self._publishers: set[str] = set()
+        self._publishers: dict[str, str] = {}
         self._put = foreign.declare_publisher(bus, topics.publish_key(self._topic))
         for token in graph.tokens(
             graph.Node(self._session, NODE, domain=settings.domain), (self._topic,), (settings.pose_topic,)
@@ -77,7 +77,7 @@ class Driver:
     @property
     def other_publishers(self) -> list[str]:
         """Programs in the graph of ROS 2 that could command the body, by name."""
-        return sorted(self._publishers)
+        return sorted({*self._publishers.values()})
 
     def put(self, twist: Twist) -> None:
         """Send a twist [m/s, rad/s; body]."""
@@ -94,7 +94,7 @@ class Driver:
 
     def _on_publisher(self, token: str, alive: bool) -> None:
         endpoint = graph.parse_token(token)
-        if endpoint is None or endpoint.session == self._session:
-            return
-        name = endpoint.node or "a node behind the bridge"
-        (self._publishers.add if alive else self._publishers.discard)(name)
+        if not alive:
+            self._publishers.pop(token, None)
+        elif endpoint is not None and endpoint.session != self._session:
+            self._publishers[token] = endpoint.node or "a node behind the bridge"

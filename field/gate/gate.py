@@ -22,7 +22,7 @@ Three rules keep stale commands away from the wheels. A command counts only if i
 young. It must be computed after the last moment at which a cause other than its own absence held or stopped the
 robot. And the last good one counts only until its timeout.
 
-Whatever stops the robot, it slows down with its largest acceleration a. So after any event it travels at most
+Under any cause the robot slows down with its largest acceleration a. So after any event it travels at most
 v²/2a + v (timeout + 2 period). Everything here is in the body's units, except poses: they are in the team frame.
 """
 
@@ -63,9 +63,9 @@ class Gate(NamedTuple):
 
     twist: Twist = ZERO
     """The twist that goes to the body now."""
-    told: Twist = ZERO
+    wanted: Twist = ZERO
     """The last good command, clipped."""
-    at: float = -math.inf
+    computed_at: float = -math.inf
     """Time at which it was computed [s]."""
     sequence: int = -1
     since: float = -math.inf
@@ -102,8 +102,9 @@ def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
         return gate._replace(refused=gate.refused + 1)
     if gate.latch:
         return gate
-    told = _clipped(linear, settings.limits.linear), _clipped(angular, settings.limits.angular)
-    return gate._replace(told=told, at=order.computed_at, sequence=order.sequence, accepted=gate.accepted + 1)
+    wanted = _clipped(linear, settings.limits.linear), _clipped(angular, settings.limits.angular)
+    gate = gate._replace(wanted=wanted, computed_at=order.computed_at, sequence=order.sequence)
+    return gate._replace(accepted=gate.accepted + 1)
 
 
 def permitted(gate: Gate, settings: Settings, now: float, permit: Permit) -> Gate:
@@ -122,14 +123,14 @@ def permitted(gate: Gate, settings: Settings, now: float, permit: Permit) -> Gat
 
 def stopped(gate: Gate, reason: str) -> Gate:
     """The gate after a stop; the first reason stays."""
-    return gate if gate.latch and gate.is_started else gate._replace(latch=reason, hold="", told=ZERO, at=-math.inf)
+    return gate if gate.latch and gate.is_started else _forgotten(gate)._replace(latch=reason, hold="")
 
 
 def posed(gate: Gate, settings: Settings, now: float, message: PoseMessage) -> Gate:
     """The gate after a pose of the body has arrived at `now` [s]."""
-    if problem := pose_guard.frame_problem(settings, message.frame):
-        return faulted(gate, problem)
     seen = pose_guard.seen(settings, now, message)
+    if problem := pose_guard.format_problem(settings, message.frame, seen):
+        return faulted(gate, problem)
     is_latched = gate.latch != ""
     if pose_guard.is_stale(gate.seen, seen, is_latched=is_latched):
         return gate
@@ -162,7 +163,7 @@ def started(gate: Gate, settings: Settings, now: float) -> tuple[Gate, str]:
         return gate, "no fresh pose arrives from the body"
     if now - gate.rival_at <= RIVAL:
         return gate, "another program commands the body"
-    fresh = gate._replace(latch="", hold="", since=now, told=ZERO, at=-math.inf, is_started=True, motion=Motion())
+    fresh = _forgotten(gate)._replace(latch="", hold="", since=now, is_started=True, motion=Motion())
     return fresh, ""
 
 
@@ -173,14 +174,14 @@ def updated(gate: Gate, settings: Settings, now: float, late: float) -> Gate:
         gate = stopped(gate, "the operator's permit has lapsed")
     hold = "" if gate.latch else _cause(gate, settings, now, late)
     if gate.latch or hold:
-        gate = gate._replace(told=ZERO, at=-math.inf, since=now)
-    elif not now - gate.at <= timing.timeout:
+        gate = _forgotten(gate)._replace(since=now)
+    elif not now - gate.computed_at <= timing.timeout:
         hold = f"no command of the agent for {timing.timeout:g} s"
-    told = ZERO if gate.latch or hold else gate.told
+    wanted = ZERO if gate.latch or hold else gate.wanted
     dt = max(0.0, min(now - gate.updated, timing.period + timing.lateness))
     twist = (
-        _approached(gate.twist[0], told[0], limits.acceleration * dt),
-        _approached(gate.twist[1], told[1], limits.angular_acceleration * dt),
+        _approached(gate.twist[0], wanted[0], limits.acceleration * dt),
+        _approached(gate.twist[1], wanted[1], limits.angular_acceleration * dt),
     )
     return _checked(gate._replace(hold=hold, updated=now), settings, now)._replace(twist=twist)
 
@@ -219,9 +220,15 @@ def _checked(gate: Gate, settings: Settings, now: float) -> Gate:
         return gate
     x, y, heading = gate.seen.pose
     moved = motion.updated(gate.motion, window, now, gate.twist, (x / scale, y / scale, heading))
-    problem = motion.problem(moved, window, settings.limits)
+    is_complete = moved.samples is not gate.motion.samples  # a sample: only then may the judgment change
+    problem = motion.problem(moved, window, settings.limits) if is_complete else ""
     gate = gate._replace(motion=moved)
     return stopped(gate, problem) if problem else gate
+
+
+def _forgotten(gate: Gate) -> Gate:
+    """The gate without its last command."""
+    return gate._replace(wanted=ZERO, computed_at=-math.inf)
 
 
 def _has_permit(gate: Gate, settings: Settings, now: float) -> bool:

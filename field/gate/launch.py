@@ -62,8 +62,9 @@ class AgentLink:
 
     async def close(self) -> int | None:
         """Close the link, which stops the body and ends the gate; returns its exit code, None for no process."""
-        self._loop.remove_reader(self._frames.end)
-        self._frames.close()
+        if self._frames.end.fileno() >= 0:
+            self._loop.remove_reader(self._frames.end)
+            self._frames.close()
         self._news.set()
         return None if self._child is None else await asyncio.to_thread(_end, self._child)
 

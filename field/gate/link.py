@@ -164,9 +164,9 @@ class FrameSocket:
         self.is_closed = self.is_closed or not data
         self._received += data
         length = len(self._received) // self._size * self._size
-        whole = bytes(self._received[:length])
+        complete = bytes(self._received[:length])
         del self._received[:length]
-        return [whole[first : first + self._size] for first in range(0, length, self._size)]
+        return [complete[first : first + self._size] for first in range(0, length, self._size)]
 
     def close(self) -> None:
         """Close this end: the far end sees it."""

@@ -1,8 +1,8 @@
-"""A check that the pose moves as commanded: it detects a wrong unit, a reversed frame and a body that ignores commands.
+"""A check that the pose moves as commanded: it detects wrong units, reversed frames, and wheels without power.
 
 Travel along the heading and turn are compared with the integrals of the commands, in parts of the window. The factor
-between them is a least-squares slope: 1 for a perfect body, 0 for one that does not move, -1 for a reversed axis. Real
-bodies slip, saturate and lag, so that a factor from 1/3 to 3 at any lag up to 0.3 s passes.
+between them is a least-squares slope: 1 for a perfect body, 0 for one that stands, -1 for a reversed axis. Bodies
+slip, saturate and lag, so that a factor from 1/3 to 3 at any lag up to 0.3 s passes.
 """
 
 import math
@@ -50,19 +50,18 @@ class Motion(NamedTuple):
 
 
 def updated(motion: Motion, window: float, now: float, twist: Twist, pose: Pose) -> Motion:
-    """The motion after an update at `now` [s]: the body was commanded `twist` since the last one, and is at `pose`."""
+    """The motion after an update at `now` [s]: `twist` was commanded since the last one."""
     if motion.pose is None:
         return Motion(begun=now, updated=now, pose=pose)
     x, y, heading = motion.pose
     turn = wrapped(pose[2] - heading)
     middle = heading + turn / 2
     dt = now - motion.updated
-    sums = motion.current
     current = Sample(
-        sums.commanded_travel + twist[0] * dt,
-        sums.commanded_turn + twist[1] * dt,
-        sums.travel + (pose[0] - x) * math.cos(middle) + (pose[1] - y) * math.sin(middle),
-        sums.turn + turn,
+        motion.current.commanded_travel + twist[0] * dt,
+        motion.current.commanded_turn + twist[1] * dt,
+        motion.current.travel + (pose[0] - x) * math.cos(middle) + (pose[1] - y) * math.sin(middle),
+        motion.current.turn + turn,
     )
     if now - motion.begun < SPACING:
         return motion._replace(current=current, updated=now, pose=pose)

@@ -1,4 +1,4 @@
-"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows that it is up."""
+"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows it."""
 
 import asyncio
 import logging

@@ -41,10 +41,13 @@ def is_stale(last: Seen | None, new: Seen, *, is_latched: bool) -> bool:
     return new.stamp == last.stamp or (new.stamp < last.stamp and not is_latched)
 
 
-def frame_problem(settings: Settings, frame: str) -> str:
-    """The reason why a pose is in a wrong frame; empty if it is not."""
+def format_problem(settings: Settings, frame: str, new: Seen) -> str:
+    """The reason why a pose cannot be used at all: a wrong frame, or numbers out of range; empty if it can."""
     expected = settings.body.frame
-    return "" if frame == expected else f"the pose must be in frame '{expected}', got '{shown(frame)}'"
+    if frame != expected:
+        return f"the pose must be in frame '{expected}', got '{shown(frame)}'"
+    is_finite = all(map(math.isfinite, new.pose)) and not any(map(math.isinf, new.twist))
+    return "" if is_finite else "the pose and its twist must be finite at full size"
 
 
 def shown(text: str) -> str:
@@ -55,8 +58,6 @@ def shown(text: str) -> str:
 def problem(settings: Settings, last: Seen | None, new: Seen, *, is_latched: bool) -> str:
     """The reason why a pose cannot be right, in one line; empty if it can. A person may carry a stopped robot."""
     x, y, _ = new.pose
-    if not (math.isfinite(x) and math.isfinite(y)):
-        return "the pose is not finite at full size"
     if not fence.is_inside(settings.fence, x, y):
         return f"the pose is outside the fence: {x:.2f}, {y:.2f} m"
     if last is None or is_latched:

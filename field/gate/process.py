@@ -4,6 +4,7 @@ import asyncio
 import logging
 import math
 import time
+from typing import Any
 
 from fes.errors import FesError, MessageError, Rejected
 from fes.protocol.robot_control import HELD, RUNNING, GateStatus
@@ -41,16 +42,20 @@ class Process:
         self._operator: Operator | None = None
         self._logger = logging.getLogger(f"gate.{settings.robot}")
         self._logged = ("", -math.inf)
-        self._told = ("", "", -math.inf)
+        self._sent = ("", "", -math.inf)
 
     async def run(self) -> None:
         """Open both sessions, and pass commands until the agent ends, or this task is cancelled."""
         settings, timing = self._settings, self._settings.timing
         team = Endpoints("client", settings.team, timeout=timing.patience, security=settings.team_security)
         body = Endpoints("client", (settings.body.endpoint,), timeout=timing.patience)
-        asyncio.get_running_loop().add_reader(self._agent.end, self._on_agent, asyncio.current_task())
-        async with bus.opened(team) as team_bus, bus.opened(body) as body_bus:
-            await self._serve(team_bus, body_bus)
+        loop = asyncio.get_running_loop()
+        loop.add_reader(self._agent.end, self._on_agent, asyncio.current_task())
+        try:
+            async with bus.opened(team) as team_bus, bus.opened(body) as body_bus:
+                await self._serve(team_bus, body_bus)
+        finally:
+            loop.remove_reader(self._agent.end)
 
     async def _serve(self, team: Bus, body: Bus) -> None:
         settings = self._settings
@@ -100,7 +105,7 @@ class Process:
             self._tell(now)
             deadline = max(deadline + period, now)
 
-    def _on_agent(self, task: "asyncio.Task[None]") -> None:
+    def _on_agent(self, task: "asyncio.Task[None] | None") -> None:
         """Take the agent's commands; its end cancels a gate that still opens its sessions."""
         for frame in self._agent.receive():
             try:
@@ -113,7 +118,7 @@ class Process:
             self._gate = rules.commanded(self._gate, self._settings, time.monotonic(), order)
         if self._agent.is_closed:
             asyncio.get_running_loop().remove_reader(self._agent.end)
-            if self._driver is None:
+            if self._driver is None and task is not None:
                 task.cancel("the agent has ended")
 
     def _absorb(self) -> None:
@@ -143,10 +148,10 @@ class Process:
         """Tell the agent the state if it has changed, or after PROGRESS; log it if a person should know."""
         status = rules.status(self._gate, self._settings, now)
         kind, logged_at = self._logged
-        mode, reason, told_at = self._told
+        mode, reason, told_at = self._sent
         if (status.mode, status.reason) != (mode, reason) or now - told_at >= PROGRESS:
             self._agent.send(link.encode_progress(status))
-            self._told = (status.mode, status.reason, now)
+            self._sent = (status.mode, status.reason, now)
         is_brief = HELD in (status.mode, kind) and now - logged_at < LOGGED
         if status.mode != kind and not is_brief:
             self._logger.info("%s", status.mode if status.mode == RUNNING else f"{status.mode}: {status.reason}")
@@ -168,11 +173,18 @@ class Process:
     def _status(self) -> GateStatus:
         return rules.status(self._gate, self._settings, time.monotonic())
 
+    def on_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Stop the robot after an error in a callback, which ends no task."""
+        self._gate = rules.stopped(self._gate, "an error in the gate itself")
+        loop.default_exception_handler(context)
+
 
 async def serve(settings: Settings, agent: FrameSocket) -> int:
     """Run a gate, and return its exit code; raises FesError."""
+    opened = Process(settings, agent)
+    asyncio.get_running_loop().set_exception_handler(opened.on_error)
     try:
-        await Process(settings, agent).run()
+        await opened.run()
     except asyncio.CancelledError:
         if not agent.is_closed:
             raise

@@ -39,6 +39,9 @@ LAYERS = (
     {"agents.runtime", "field.radio", "field.senses", "world.metrics"},
     {"agents.process", "world.execution"},
     {"agents.__main__", "world.flags", "world.server", "world.tabletop"},
+    {"agents.runtime", "world.metrics"},
+    {"agents.process", "field.gate", "world.execution"},
+    {"agents.__main__", "world.flags", "world.server"},
     {"world.process"},
     {"world.__main__", "console.guide", "console.schema", "console.terminal"},
     {"console.keys"},
@@ -60,6 +63,8 @@ SHELLS = (
     "agents.runtime", "agents.process", "field.radio", "world.server", "world.process", "world.tabletop",
 )  # fmt: skip
 """The only packages of an agent or a world that import asyncio, or the transport."""
+SHELLS = ("agents.runtime", "agents.process", "field.gate", "world.server", "world.process")
+"""The only packages of an agent, a real robot or a world that import asyncio, or the transport."""
 INTERFACE = "fes/extension"
 """The only package whose `__init__` has more than a docstring: others import names from it."""
 LARGEST_FOLDER = 12

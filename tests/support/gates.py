@@ -22,7 +22,7 @@ def settings(**changes: Any) -> Settings:
     for name in list(changes):
         for part, value in parts.items():
             if hasattr(value, name) and name not in ("x", "y"):
-                parts[part] = replace(value, **{name: changes.pop(name)})  # type: ignore[type-var]
+                parts[part] = replace(value, **{name: changes.pop(name)})
                 break
     return Settings(robot=3, **{**parts, **changes})  # type: ignore[arg-type]
 

@@ -43,7 +43,7 @@ def test_the_defaults_are_those_of_the_study() -> None:
 
 @pytest.mark.parametrize("value", [0.0, -1.0, math.inf, math.nan, None, True, "1"])
 @pytest.mark.parametrize("name", ["linear", "angular", "acceleration", "angular_acceleration", "pose_jump"])
-def test_a_limit_that_is_no_limit_is_refused(name: str, value: Any) -> None:
+def test_a_limit_that_does_not_limit_is_refused(name: str, value: Any) -> None:
     with pytest.raises(FesError, match=f"a gate expects a positive number as '{name}'"):
         replace(FULL, limits=replace(FULL.limits, **{name: value}))
 
