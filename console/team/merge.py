@@ -16,6 +16,7 @@ from fes.arrays.types import Bools, Ints
 from fes.protocol.keys import MAX_ROBOTS
 from fes.protocol.report import Report
 from fes.protocol.robot_report import RobotReport
+from fes.protocol.wire import MAX_TICK
 from world.metrics import graphs
 
 SILENT = 1.0
@@ -26,6 +27,9 @@ RECENT = 2.0
 
 COUNTS = ("heard", "missed", "late")
 """Kinds of beacons that a robot counts."""
+
+MAX_SUM = MAX_TICK - 1
+"""Largest number of beacons in a Report."""
 
 Pair = tuple[int, int]
 
@@ -153,8 +157,8 @@ class Team:
             decoded=counts[:, 1].copy(),
             longest_gap=unknown,
             **self._learnt(pairs, separation.tolist(), now),
-            beacons_sent=sums["heard"] + sums["missed"] + sums["late"],
-            beacons_decoded=sums["heard"],
+            beacons_sent=min(sums.total(), MAX_SUM),
+            beacons_decoded=min(sums["heard"], MAX_SUM),
             disagreement=float(differences[np.isfinite(differences)].sum()),
             estimate_error_max=math.nan,
             separation_error_max=math.nan,

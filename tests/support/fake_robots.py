@@ -97,7 +97,9 @@ class FakeGate:
         query.reply(robot_control.encode_gate_status(self.state), "GateStatus")
 
 
-async def report_until_cancelled(bus: Bus, run: str, robot: int, peers: Sequence[int], hold: float = 0.0) -> None:
+async def report_until_cancelled(
+    bus: Bus, run: str, robot: int, peers: Sequence[int], hold: float = 0.0, boot: int = 7
+) -> None:
     """Publish reports of a robot at 10 Hz, whose gate is held from `hold` [s] on if that is positive."""
     put = bus.declare_publisher(keys.robot_report(run, robot), "RobotReport", drop=True)
     bus.declare_token(keys.robot_alive(run, robot))
@@ -105,7 +107,7 @@ async def report_until_cancelled(bus: Bus, run: str, robot: int, peers: Sequence
     while True:
         time = ticks * robot_report.PERIOD
         is_held = 0.0 < hold <= time
-        report = a_robot_report(robot, peers, time, beacons=heard(peers, 9 * ticks, ticks))
+        report = a_robot_report(robot, peers, time, boot=boot, beacons=heard(peers, 9 * ticks, ticks))
         if is_held:
             report = report._replace(mode=HELD, reason="the pose is old")
         put(robot_report.encode_robot_report(report))
