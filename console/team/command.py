@@ -7,7 +7,7 @@ import sys
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -190,7 +190,7 @@ async def _named(session: Bus, run: str, robots: str | None) -> list[int]:
 
 def _leave(
     endpoints: Endpoints, main: Callable[[Bus], Coroutine[Any, Any, int]], *, needs_its_end: bool = False
-) -> int:
+) -> NoReturn:
     """Run `main` with an open session to its exit code, and end the process."""
 
     async def connected() -> int:

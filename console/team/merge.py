@@ -131,8 +131,8 @@ class Team:
         a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
         places = np.clip(poses, -1e150, 1e150)  # a square does not overflow
         separation = np.hypot(places[a, 0] - places[b, 0], places[a, 1] - places[b, 1])
-        estimates = np.array([self._estimates(*pair, now) for pair in pairs]).reshape(-1, 2)
-        counts = np.array([self._counts(*pair) for pair in pairs]).reshape(-1, 2)
+        estimates = np.array([self._estimates(*pair, now) for pair in pairs], dtype=np.float64).reshape(-1, 2)
+        counts = np.array([self._counts(*pair) for pair in pairs], dtype=np.float64).reshape(-1, 2)
         differences = np.abs(estimates[:, 0] - estimates[:, 1])
         elapsed = now - self._zero
         unknown = np.full(len(pairs), math.nan)

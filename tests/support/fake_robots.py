@@ -3,6 +3,7 @@
 import asyncio
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +20,11 @@ LAPSE = 1.0
 def heard(peers: Sequence[int], count: int = 90, missed: int = 10, late: int = 0, estimate: float = 68.0) -> Heard:
     """The same counts of each peer."""
     ids = np.array(sorted(peers), dtype=np.int64)
-    columns = [np.full(len(ids), number, dtype=np.int64) for number in (count, missed, late)]
-    return Heard(ids, *columns, np.full(len(ids), estimate))
+    first, second, third = (np.full(len(ids), number, dtype=np.int64) for number in (count, missed, late))
+    return Heard(ids, first, second, third, np.full(len(ids), estimate))
 
 
-def a_robot_report(robot: int, peers: Sequence[int] = (), time: float = 10.0, **fields: object) -> RobotReport:
+def a_robot_report(robot: int, peers: Sequence[int] = (), time: float = 10.0, **fields: Any) -> RobotReport:
     """A report of a robot on a circle of 60 m, with a link to each of `peers` and an estimate of 68 m."""
     ids = np.array(sorted(peers), dtype=np.int64)
     angle = robot * math.tau / 6

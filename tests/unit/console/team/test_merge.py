@@ -174,7 +174,7 @@ def test_modes_are_counted_and_a_robot_without_a_gate_is_named() -> None:
 
 
 @settings(max_examples=EXAMPLES // 3)
-@given(reports=st.lists(st.tuples(robot_reports(), st.integers(0, 4), st.floats(0.0, 5.0)), min_size=1, max_size=8))
+@given(reports=st.lists(st.tuples(robot_reports(), st.integers(0, 4), st.floats(0.0, 5.0)), min_size=1, max_size=4))
 def test_any_reports_merge_into_a_report_that_can_be_sent(reports: list[tuple[RobotReport, int, float]]) -> None:
     team, now = Team("field"), MAX_TIME
     for report, robot, later in reports:
