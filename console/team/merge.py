@@ -136,7 +136,7 @@ class Team:
         differences = np.abs(estimates[:, 0] - estimates[:, 1])
         elapsed = now - self._zero
         unknown = np.full(len(pairs), math.nan)
-        sums = self.totals()
+        beacons = self.totals()
         return Report(
             scenario=self.name,
             tick=round(elapsed / self._dt),
@@ -157,8 +157,8 @@ class Team:
             decoded=counts[:, 1].copy(),
             longest_gap=unknown,
             **self._learnt(pairs, separation.tolist(), now),
-            beacons_sent=min(sums.total(), MAX_SUM),
-            beacons_decoded=min(sums["heard"], MAX_SUM),
+            beacons_sent=min(beacons.total(), MAX_SUM),
+            beacons_decoded=min(beacons["heard"], MAX_SUM),
             disagreement=float(differences[np.isfinite(differences)].sum()),
             estimate_error_max=math.nan,
             separation_error_max=math.nan,
@@ -174,10 +174,10 @@ class Team:
 
     def totals(self) -> Counter[str]:
         """Beacons heard, missed and late, of all robots and all their peers together."""
-        sums = Counter(dict.fromkeys(COUNTS, 0))
+        counts = Counter(dict.fromkeys(COUNTS, 0))
         for member in self.members.values():
-            sums.update(member.totals())
-        return sums
+            counts.update(member.totals())
+        return counts
 
     def _links(self, present: list[int]) -> Iterator[Pair]:
         """The links that a present robot uses, lower id first."""
@@ -220,7 +220,7 @@ class Team:
         return sent, decoded
 
     def _learnt(self, pairs: list[Pair], separations: list[float], now: float) -> dict[str, Any]:
-        """What both ends have learnt of each link, averaged."""
+        """Level, exponent and reception of each link, as both ends have learnt them."""
         rows = np.full((3, len(pairs)), math.nan)
         for index, (pair, separation) in enumerate(zip(pairs, separations, strict=True)):
             ends = [

@@ -149,7 +149,7 @@ def test_the_graph_of_robots_that_hear_each_other_is_connected_only_while_beacon
     assert not team.report(103.0).disk_connected
 
 
-def test_what_both_ends_have_learnt_is_averaged_and_gives_the_reception_at_the_separation() -> None:
+def test_the_level_that_both_ends_have_learnt_is_averaged_and_gives_the_reception_at_the_separation() -> None:
     team = Team("field")
     for robot, level in ((0, -2.0), (1, -1.0)):
         last = command(robot, {1 - robot: 68.0}, [level, 3.0])
