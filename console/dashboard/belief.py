@@ -9,6 +9,7 @@ SERIES = ("disagreement", "estimate spread", "formation error")
 """Plotted measures [m], in the order of `series`."""
 
 
+@np.errstate(all="ignore")
 def link_estimates(report: Report) -> Floats:
     """Mean estimate of both ends [l] [m]; that of one end where the other is unknown."""
     ab, ba = report.estimate_ab, report.estimate_ba
@@ -22,10 +23,10 @@ def mean_estimate(report: Report) -> float:
     return float(known.mean()) if len(known) else float("nan")
 
 
+@np.errstate(all="ignore")
 def formation_errors(report: Report) -> Floats:
     """Separation less the estimate of each link [l] [m]."""
-    with np.errstate(invalid="ignore"):
-        error: Floats = report.separation - link_estimates(report)
+    error: Floats = report.separation - link_estimates(report)
     return error
 
 
@@ -37,10 +38,10 @@ def series(report: Report) -> Floats:
     return np.array([report.disagreement, spread, known.max() if len(known) else np.nan])
 
 
+@np.errstate(all="ignore")
 def lost(report: Report) -> Floats:
     """Share of each link's beacons that did not decode [l]; NaN before the first beacon."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share: Floats = 1.0 - report.decoded / report.sent
+    share: Floats = 1.0 - report.decoded / report.sent
     return share
 
 

@@ -67,7 +67,9 @@ def errors(report: Report) -> Floats:
     """Separation less r* [l] [m]; of real robots, less their own estimate of the link."""
     if report.is_of_robots:
         return belief.formation_errors(report)
-    return report.separation - report.optimal_separation
+    with np.errstate(invalid="ignore"):
+        error: Floats = report.separation - report.optimal_separation
+    return error
 
 
 def needed_width(report: Report) -> int:

@@ -161,6 +161,8 @@ def alive(run: str, tokens: list[str], others: list[str], robots: int | None, is
     runs = sorted({key.split("/")[1] for key in others} - {run})
     elsewhere = f"; worlds of other runs: {', '.join(runs)}" if runs else ""
     if keys.world_alive(run) not in tokens:
+        if gates := [robot for robot in present if keys.gate_alive(run, robot) in tokens]:
+            return _real_robots(run, gates, [robot for robot in present if keys.robot_alive(run, robot) in tokens])
         seen = f"no world of run '{run}', robots: {spans(present) or 'none'}{elsewhere}"
         remedy = f"--run {runs[0]}" if runs else "start fes-world with the same --run and endpoint"
         return (failed if is_requested else warning)("alive", seen, remedy)
@@ -174,6 +176,14 @@ def alive(run: str, tokens: list[str], others: list[str], robots: int | None, is
     if robots is None:
         return warning("alive", seen, "the world does not report its number of robots: compare its version")
     return ok("alive", seen)
+
+
+def _real_robots(run: str, gates: list[int], agents: list[int]) -> Finding:
+    """The gates and the agents of real robots, which need no world."""
+    seen = f"real robots of run '{run}': gates {spans(gates)}, agents {spans(agents) or 'none'}"
+    if gates == agents:
+        return ok("alive", seen)
+    return warning("alive", seen, "a gate without an agent holds its robot, and an agent without a gate has no body")
 
 
 def versions(answer: Answer | Silence) -> Iterator[Finding]:

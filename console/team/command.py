@@ -7,7 +7,7 @@ import sys
 from collections.abc import AsyncIterator, Callable, Coroutine
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 
@@ -59,7 +59,7 @@ def show_status(
     """Print the state of each robot: gate, agent, pose, links and estimate."""
 
     async def show(session: Bus) -> int:
-        states = await status.collect(session, run, await _named(session, run, robots))
+        states = await status.collect(session, run, await _chosen(session, run, robots))
         if json_:
             print(strict_json.dumps(status.tables(states), indent=2))
         else:
@@ -85,9 +85,9 @@ def start(
     """Let the robots move while their permit is held; with --no-hold, fes team permit holds it."""
 
     async def begin(session: Bus) -> int:
-        named = await _named(session, run, robots)
+        chosen = await _chosen(session, run, robots)
         action = permit.start_and_hold if hold else permit.start
-        return _code(await action(session, run, named, _say))
+        return _code(await action(session, run, chosen, _say))
 
     endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
     _leave(endpoints, begin, needs_its_end=True)
@@ -106,7 +106,7 @@ def stop(
     """Stop the robots; the exit code is 1 unless each gate confirms it."""
 
     async def end(session: Bus) -> int:
-        return _code(await permit.stop(session, run, await _named(session, run, robots), _say, longest))
+        return _code(await permit.stop(session, run, await _chosen(session, run, robots), _say, longest))
 
     endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
     _leave(endpoints, end, needs_its_end=True)
@@ -183,14 +183,14 @@ async def shown(
         yield report
 
 
-async def _named(session: Bus, run: str, robots: str | None) -> list[int]:
+async def _chosen(session: Bus, run: str, robots: str | None) -> list[int]:
     """The robots that a person named, or else all whose gate is alive."""
     return list(keys.parse_span(robots, "--robots")) if robots else await gates.present(session, run)
 
 
 def _leave(
     endpoints: Endpoints, main: Callable[[Bus], Coroutine[Any, Any, int]], *, needs_its_end: bool = False
-) -> int:
+) -> NoReturn:
     """Run `main` with an open session to its exit code, and end the process."""
 
     async def connected() -> int:

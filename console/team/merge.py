@@ -16,6 +16,7 @@ from fes.arrays.types import Bools, Ints
 from fes.protocol.keys import MAX_ROBOTS
 from fes.protocol.report import Report
 from fes.protocol.robot_report import RobotReport
+from fes.protocol.wire import MAX_TICK
 from world.metrics import graphs
 
 SILENT = 1.0
@@ -26,6 +27,9 @@ RECENT = 2.0
 
 COUNTS = ("heard", "missed", "late")
 """Kinds of beacons that a robot counts."""
+
+MAX_SUM = MAX_TICK - 1
+"""Largest number of beacons in a Report."""
 
 Pair = tuple[int, int]
 
@@ -127,12 +131,12 @@ class Team:
         a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
         places = np.clip(poses, -1e150, 1e150)  # a square does not overflow
         separation = np.hypot(places[a, 0] - places[b, 0], places[a, 1] - places[b, 1])
-        estimates = np.array([self._estimates(*pair, now) for pair in pairs]).reshape(-1, 2)
-        counts = np.array([self._counts(*pair) for pair in pairs]).reshape(-1, 2)
+        estimates = np.array([self._estimates(*pair, now) for pair in pairs], dtype=np.float64).reshape(-1, 2)
+        counts = np.array([self._counts(*pair) for pair in pairs], dtype=np.float64).reshape(-1, 2)
         differences = np.abs(estimates[:, 0] - estimates[:, 1])
         elapsed = now - self._zero
         unknown = np.full(len(pairs), math.nan)
-        sums = self.totals()
+        beacons = self.totals()
         return Report(
             scenario=self.name,
             tick=round(elapsed / self._dt),
@@ -153,8 +157,8 @@ class Team:
             decoded=counts[:, 1].copy(),
             longest_gap=unknown,
             **self._learnt(pairs, separation.tolist(), now),
-            beacons_sent=sums["heard"] + sums["missed"] + sums["late"],
-            beacons_decoded=sums["heard"],
+            beacons_sent=min(beacons.total(), MAX_SUM),
+            beacons_decoded=min(beacons["heard"], MAX_SUM),
             disagreement=float(differences[np.isfinite(differences)].sum()),
             estimate_error_max=math.nan,
             separation_error_max=math.nan,
@@ -170,10 +174,10 @@ class Team:
 
     def totals(self) -> Counter[str]:
         """Beacons heard, missed and late, of all robots and all their peers together."""
-        sums = Counter(dict.fromkeys(COUNTS, 0))
+        counts = Counter(dict.fromkeys(COUNTS, 0))
         for member in self.members.values():
-            sums.update(member.totals())
-        return sums
+            counts.update(member.totals())
+        return counts
 
     def _links(self, present: list[int]) -> Iterator[Pair]:
         """The links that a present robot uses, lower id first."""
@@ -216,7 +220,7 @@ class Team:
         return sent, decoded
 
     def _learnt(self, pairs: list[Pair], separations: list[float], now: float) -> dict[str, Any]:
-        """What both ends have learnt of each link, averaged."""
+        """Level, exponent and reception of each link, as both ends have learnt them."""
         rows = np.full((3, len(pairs)), math.nan)
         for index, (pair, separation) in enumerate(zip(pairs, separations, strict=True)):
             ends = [

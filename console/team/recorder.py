@@ -93,7 +93,7 @@ class TeamRecorder:
         head = {"clock": "robots", "fes": version(), "begun": self._begun, "ended": time.time()}
         if report is None:
             return {**head, "robots": 0, "reports": 0}
-        sums, mean = self._team.totals(), belief.mean_estimate(report)
+        mean = belief.mean_estimate(report)
         disagreement, spread, formation = belief.series(report).tolist()
         table = {
             **head,
@@ -110,7 +110,7 @@ class TeamRecorder:
             "smallest_separation_of_links": self._smallest,
             "heard_connected": report.disk_connected,
             "links": _links(report),
-            "beacons": dict(sums),
+            "beacons": dict(self._team.totals()),
             "members": self._members(report),
         }
         finite: dict[str, Any] = strict_json.finite(table)
@@ -136,15 +136,15 @@ class TeamRecorder:
     def _arrays(self, report: Report) -> list[bytes]:
         """The arrays that viewers see, for `fes.recording.viewer_topics.View.of`."""
         n = len(report.alive)
-        twists, counts, sums = np.full((n, 2), math.nan), np.zeros(n), np.zeros(n)
+        twists, counts, totals = np.full((n, 2), math.nan), np.zeros(n), np.zeros(n)
         for robot, member in self._team.members.items():
             if robot < n and report.alive[robot]:
                 command = member.report.command
                 twists[robot] = command.twist
-                counts[robot], sums[robot] = len(command.links), command.estimates.sum()
+                counts[robot], totals[robot] = len(command.links), command.estimates.sum()
         ids = [ends.astype(np.int64).tobytes() for ends in (report.a, report.b)]
         states = b"".join([getattr(report, name).tobytes() for name in LINK_ARRAYS])
-        return [*(array.tobytes() for array in (report.poses, twists, counts, sums)), *ids, states]
+        return [*(array.tobytes() for array in (report.poses, twists, counts, totals)), *ids, states]
 
 
 def _links(report: Report) -> list[dict[str, Any]]:

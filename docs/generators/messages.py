@@ -7,10 +7,10 @@ from types import ModuleType
 
 from docs.generators.markdown import code, prose, table
 from fes.model import sensing
-from fes.protocol import channel_change, keys, messages, report, robot_control, wire, world_info
+from fes.protocol import channel_change, keys, messages, report, robot_control, robot_report, wire, world_info
 
 TITLE = "Messages and keys"
-MODULES = (messages, report, robot_control, world_info, channel_change)
+MODULES = (messages, report, world_info, channel_change, robot_report, robot_control)
 CALLED = {"WorldInfo": "About", "ParameterChange": "Change", "ChangeResult": "Effect"}
 """Classes whose message has another name on the wire."""
 
@@ -54,6 +54,8 @@ def _bounds() -> list[str]:
         ["a number in a beacon", f"±{sensing.MAX_NUMBER:g}"],
         ["a twist in a command", f"±{sensing.MAX_TWIST:g} m/s, rad/s"],
         ["statistics of a beacon", f"{sensing.MAX_STATISTICS}"],
+        ["peers in a RobotReport", f"{robot_report.MAX_PEERS:,}"],
+        ["reason of a gate", f"{robot_control.LONGEST_REASON} characters"],
         ["value in a Change", f"{channel_change.LONGEST:,} characters of JSON"],
     ]
     return table(["quantity", "bound"], rows)

@@ -22,6 +22,9 @@ MAX_BOOT = 2**62
 MAX_PEERS = 4096
 """Largest number of peers in a RobotReport, and of links."""
 
+MAX_COUNT = 2**32
+"""Largest count of the beacons of a peer: their sequence numbers have 32 bits."""
+
 MAX_TIME = 1e9
 """Longest time since the start of an agent [s]."""
 
@@ -159,7 +162,8 @@ def _heard(name: str, peers: Any, counts: Any, estimates: Any) -> Heard:
 def _counts(name: str, blob: Any, peers: int) -> Ints:
     wire.check(name, type(blob) is bytes and len(blob) == 8 * peers, f"expects {peers} int64", blob)
     values = np.frombuffer(blob, dtype="<i8").astype(np.int64)
-    wire.check(name, bool(((values >= 0) & (values < wire.MAX_TICK)).all()), "counts begin at 0", values.tolist())
+    inside = bool(((values >= 0) & (values <= MAX_COUNT)).all())
+    wire.check(name, inside, f"expects counts from 0 to {MAX_COUNT}", values.tolist())
     return values
 
 

@@ -3,6 +3,7 @@
 import asyncio
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +20,11 @@ LAPSE = 1.0
 def heard(peers: Sequence[int], count: int = 90, missed: int = 10, late: int = 0, estimate: float = 68.0) -> Heard:
     """The same counts of each peer."""
     ids = np.array(sorted(peers), dtype=np.int64)
-    columns = [np.full(len(ids), number, dtype=np.int64) for number in (count, missed, late)]
-    return Heard(ids, *columns, np.full(len(ids), estimate))
+    first, second, third = (np.full(len(ids), number, dtype=np.int64) for number in (count, missed, late))
+    return Heard(ids, first, second, third, np.full(len(ids), estimate))
 
 
-def a_robot_report(robot: int, peers: Sequence[int] = (), time: float = 10.0, **fields: object) -> RobotReport:
+def a_robot_report(robot: int, peers: Sequence[int] = (), time: float = 10.0, **fields: Any) -> RobotReport:
     """A report of a robot on a circle of 60 m, with a link to each of `peers` and an estimate of 68 m."""
     ids = np.array(sorted(peers), dtype=np.int64)
     angle = robot * math.tau / 6
@@ -97,7 +98,9 @@ class FakeGate:
         query.reply(robot_control.encode_gate_status(self.state), "GateStatus")
 
 
-async def report_until_cancelled(bus: Bus, run: str, robot: int, peers: Sequence[int], hold: float = 0.0) -> None:
+async def report_until_cancelled(
+    bus: Bus, run: str, robot: int, peers: Sequence[int], hold: float = 0.0, boot: int = 7
+) -> None:
     """Publish reports of a robot at 10 Hz, whose gate is held from `hold` [s] on if that is positive."""
     put = bus.declare_publisher(keys.robot_report(run, robot), "RobotReport", drop=True)
     bus.declare_token(keys.robot_alive(run, robot))
@@ -105,7 +108,7 @@ async def report_until_cancelled(bus: Bus, run: str, robot: int, peers: Sequence
     while True:
         time = ticks * robot_report.PERIOD
         is_held = 0.0 < hold <= time
-        report = a_robot_report(robot, peers, time, beacons=heard(peers, 9 * ticks, ticks))
+        report = a_robot_report(robot, peers, time, boot=boot, beacons=heard(peers, 9 * ticks, ticks))
         if is_held:
             report = report._replace(mode=HELD, reason="the pose is old")
         put(robot_report.encode_robot_report(report))

@@ -148,9 +148,10 @@ def team_fields(draw: st.DrawFn, n: int) -> dict[str, Any]:
 @st.composite
 def robot_reports(draw: st.DrawFn) -> RobotReport:
     near = draw(peers)
-    numbers = st.lists(ticks, min_size=len(near), max_size=len(near)).map(lambda each: np.array(each, dtype=np.int64))
-    counts = draw(numbers), draw(numbers), draw(numbers)
-    beacons = Heard(near, *counts, draw(floats(len(near), st.floats(allow_infinity=False))))
+    counts = st.lists(st.integers(0, robot_report.MAX_COUNT), min_size=len(near), max_size=len(near))
+    numbers = counts.map(lambda each: np.array(each, dtype=np.int64))
+    of_peers = draw(numbers), draw(numbers), draw(numbers)
+    beacons = Heard(near, *of_peers, draw(floats(len(near), st.floats(allow_infinity=False))))
     return RobotReport(
         draw(st.integers(0, robot_report.MAX_BOOT)),
         draw(spans),

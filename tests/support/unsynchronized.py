@@ -20,7 +20,6 @@ from field.senses.senses import Senses
 from tests.support.measured_links import rayleigh
 from world.config.scenario import Scenario, agent_config
 
-
 OPTIMUM = 68.11376
 """The separation that every link should have [m]."""
 

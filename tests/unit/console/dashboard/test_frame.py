@@ -54,8 +54,10 @@ def test_missing_numbers_are_drawn_as_missing() -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 0.0, 5e-324, -1e308, 1e308])
 @pytest.mark.parametrize("spared", ["learnt_level", "learnt_reception", "separation", "nothing"])
-def test_a_report_of_only_extreme_numbers_is_drawn(value: float, spared: str) -> None:
-    start = measured(a_report([(0.0, 0.0), (60.0, 0.0), (60.0, 50.0)], [(0, 1), (1, 2)]), -2.0, 3.0)
+@pytest.mark.parametrize("ticks", [100, 0], ids=["of a world", "of real robots"])
+def test_a_report_of_only_extreme_numbers_is_drawn(value: float, spared: str, ticks: int) -> None:
+    team = a_report([(0.0, 0.0), (60.0, 0.0), (60.0, 50.0)], [(0, 1), (1, 2)], ticks=ticks)
+    start = measured(team, -2.0, 3.0)
     extreme: dict[str, Any] = {}
     for field in fields(Report):
         original = getattr(start, field.name)
