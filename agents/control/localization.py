@@ -98,9 +98,10 @@ def start(n: int) -> Located:
 
 
 def at_fixes(tick: int, poses: Floats, commands: Floats, is_known: Bools) -> Located:
-    """The state after a tick at which exact fixes gave the `poses` [n, 3]; robots that are not known start anew."""
+    """The state after a tick at which the poses [n, 3] were the fixes; robots that are not known start anew."""
     used = np.where(is_known, tick, NEVER)
-    return Located(tick, poses, np.zeros_like(commands), commands, commands, used, 0 * used, poses[None])
+    nothing = np.zeros_like(commands)
+    return Located(tick, poses, nothing, nothing, commands, used, 0 * used, poses[None])
 
 
 def forget(located: Located, restarted: Bools) -> Located:
@@ -130,10 +131,8 @@ def locate(localizer: Localizer, located: Located, sensed: Sensed) -> Located:
     Where all poses are the fixes, its array is that of `sensed`.
     """
     tick, poses = sensed.tick, sensed.poses
-    if not localizer.is_on:
-        return located._replace(tick=tick, poses=poses)
     is_new = is_fixed(sensed)
-    if is_new and localizer.is_exact:
+    if not localizer.is_on or (is_new and localizer.is_exact):
         return at_fixes(tick, poses, located.commands, np.ones(len(poses), dtype=np.bool_))
     fixed = np.full(len(poses), tick) if sensed.fixed is None else sensed.fixed
     corrected = _corrected(localizer, _predicted(localizer, located, tick), poses, fixed)
@@ -182,7 +181,7 @@ def _corrected(localizer: Localizer, at: Located, fixes: Floats, fixed: Ints) ->
     total = at.variance + localizer.noise
     distance = change[:, geometry.X] * change[:, geometry.X] + change[:, geometry.Y] * change[:, geometry.Y]
     is_exact = (age == 0) & localizer.believes_fixes
-    is_far = is_new & (distance > GATE * GATE * total[:, 0]) & ~is_exact
+    is_far = is_new & ~(distance <= GATE * GATE * total[:, 0]) & ~is_exact
     rejected = np.where(is_new, np.where(is_far, at.rejected + 1, 0), at.rejected)
     is_reset = is_first | (is_far & (rejected == REJECTIONS))
     is_taken = (is_new & ~is_far) | is_reset

@@ -58,6 +58,11 @@ class Row:
     title: str
     changes: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def is_unfiltered(self) -> bool:
+        """True if robots take each fix for their pose."""
+        return self.changes.get("localization.filter") == "none"
+
 
 ROWS = [
     Row("exact"),
@@ -133,7 +138,7 @@ def line(row: Row, rows: Sequence[Outcome]) -> str:
     times, bias = np.where(np.isnan(times), math.inf, times), column(rows, "bias")
     cells = (
         row.title,
-        "no" if row.changes.get("localization.filter") == "none" else "yes",
+        "no" if row.is_unfiltered else "yes",
         f"{np.median(times):.1f} / {times.max():.1f}",
         f"{bias.mean():+.3f} ± {standard_error(bias):.3f}",
         f"{rms(column(rows, 'rmse')):.3f}",
@@ -157,7 +162,7 @@ def main() -> None:
         if not flags.only or any(part in row.title for part in flags.only):
             rows = outcomes(row.changes, range(flags.seeds), flags.duration)
             print(line(row, rows), flush=True)
-            biases[line(row, rows).split(" | ")[0].removeprefix("| ")] = column(rows, "bias")
+            biases[row.title + (", no filter" if row.is_unfiltered else "")] = column(rows, "bias")
     for title, bias in biases.items():
         if "exact" in biases and title != "exact":
             excess = bias - biases["exact"]
