@@ -93,6 +93,8 @@ class Outcome(NamedTuple):
     turning: float
     """Mean square of all angular velocities, settled [rad^2/s^2]."""
     connected: bool
+    exponent: float
+    """Path-loss exponent that the robots have fitted, settled [1]."""
 
 
 def outcomes(changes: dict[str, Any], seeds: Sequence[int], duration: float = 180.0) -> list[Outcome]:
@@ -101,18 +103,19 @@ def outcomes(changes: dict[str, Any], seeds: Sequence[int], duration: float = 18
     path = CONFIGS / settings.pop("scenario", "measured.toml")
     scenarios = [load(path, settings | {"run.seed": int(seed)}) for seed in seeds]
     metrics = [MetricsCollector(scenario) for scenario in scenarios]
-    squares, count = np.zeros(len(scenarios)), 0
+    squares, exponents, count = np.zeros(len(scenarios)), np.zeros(len(scenarios)), 0
     settled = SETTLED / scenarios[0].run.dt
     for number, together in enumerate(stacked.ticks(scenarios)):
         for collector, tick in zip(metrics, together, strict=True):
             collector.add(tick.state, tick.twists, tick.telemetry)
         if number >= settled:
             squares += [np.mean(tick.twists[:, 1] ** 2) for tick in together]
+            exponents += [np.mean(tick.telemetry.learnt[1]) for tick in together]
             count += 1
     ends = [summary.summarize(collector, "noise", "inprocess", 0.0) for collector in metrics]
     return [
-        Outcome(end["tracking"][0], square / max(count, 1), end["links_connected_always"])
-        for end, square in zip(ends, squares.tolist(), strict=True)
+        Outcome(end["tracking"][0], square / max(count, 1), end["links_connected_always"], exponent / max(count, 1))
+        for end, square, exponent in zip(ends, squares.tolist(), exponents.tolist(), strict=True)
     ]
 
 
