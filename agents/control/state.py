@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from agents.control.clocks import Clocks
 from agents.control.links import Links
-from agents.control.localization import Located, Localizer
+from agents.control.localization import Localizer, Located
 from agents.control.transmitter import Memory, Transmitters
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints

@@ -41,7 +41,7 @@ COLUMNS = (
 
 
 def fixes(noise: float, heading: float, rate: float | None = None, **others: float) -> dict[str, Any]:
-    """The settings of bodies that slip, and of fixes with this noise [m], of their heading [degrees], and rate [1/s]."""
+    """The settings of bodies that slip, and of fixes with this noise [m], also of the heading [degrees], and rate."""
     given = {"pose_noise": noise, "heading_noise": heading * DEGREE, **others}
     rated = {} if rate is None else {"pose_rate": rate}
     return SLIP | {f"sensing.{name}": value for name, value in (given | rated).items() if value}

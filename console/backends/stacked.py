@@ -176,9 +176,7 @@ def _ticks(sensed: list[Observations]) -> Ints | None:
     """Tick at which each pose was measured; None if all were at this tick."""
     if all(observations.fixed is None for observations in sensed):
         return None
-    return np.concatenate([
-        np.full(len(one.poses), one.tick) if one.fixed is None else one.fixed for one in sensed
-    ])
+    return np.concatenate([np.full(len(one.poses), one.tick) if one.fixed is None else one.fixed for one in sensed])
 
 
 class _Split:

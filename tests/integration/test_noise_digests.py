@@ -25,7 +25,9 @@ KINDS: dict[str, dict[str, Any]] = {
     "slow and late": {"sensing__pose_rate": 9.0, "sensing__pose_latency": 0.1, "robots__slip": 0.05},
     "unfiltered": {"sensing__pose_noise": 1.0, "sensing__pose_rate": 9.0, "localization__filter": "none"},
 }
-KINDS["together"] = KINDS["white"] | KINDS["slow and late"] | {"sensing__pose_drift": 0.5, "robots__actuator_lag": 0.2}
+KINDS["together"] = (
+    KINDS["white"] | KINDS["slow and late"] | {"sensing__pose_drift": 0.5, "robots__actuator_lag": 0.2}
+)
 CREWS = {"one": [[i] for i in range(10)], "many": [[3, 4, 5], [0, 1, 2, 6, 7, 8, 9]]}
 
 

@@ -17,14 +17,13 @@ from fes.arrays import geometry
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats
 from fes.errors import FesError, ScenarioError
-from fes.model import seeking
+from fes.model import kinematics, seeking
 from fes.model.config import FormationConfig
 from fes.model.table import Table
 from tests.support.loop import load
 from world.config.scenario import Scenario
 from world.metrics import summary as summaries
 from world.metrics.collector import MetricsCollector
-from fes.model import kinematics
 
 SMALLEST, LARGEST = 5e-324, 1.7e308
 PAIR = Edges(np.array([0, 1]), np.array([0, 1]), np.array([1, 0]))

@@ -1,4 +1,4 @@
-"""Robots with noisy, slow and late poses that count beacons: the claims of docs/explanation/noise.md, with few seeds."""
+"""Robots with noisy, slow and late poses that count beacons: the claims of docs/explanation/noise.md."""
 
 import math
 from collections.abc import Sequence

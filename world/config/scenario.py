@@ -11,8 +11,15 @@ from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
-from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig
-from fes.model.config import LocalizationConfig, ObjectiveConfig
+from fes.model.config import (
+    FORMULAS,
+    AgentConfig,
+    Clock,
+    FaultConfig,
+    FormationConfig,
+    LocalizationConfig,
+    ObjectiveConfig,
+)
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.shapes import rules

@@ -113,7 +113,9 @@ class SensingConfig(Table):
                 f"sensing.pose_latency must be a whole number of ticks, at most {MAX_LATENCY}, got {latency:g}"
             )
         if self.pose_rate is not None and self.pose_rate * dt > 1.0 + WHOLE:
-            raise ValueError(f"sensing.pose_rate must be at most {1.0 / dt:g}, one fix per tick, got {self.pose_rate:g}")
+            raise ValueError(
+                f"sensing.pose_rate must be at most {1.0 / dt:g}, one fix per tick, got {self.pose_rate:g}"
+            )
 
 
 def told(robots: RobotsConfig, sensing: SensingConfig) -> SensorConfig:

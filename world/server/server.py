@@ -19,7 +19,6 @@ from fes.transport.bus import Bus, Query
 from fes.transport.drop_log import DropLog
 from fes.transport.inbox import Inbox
 from world.config.scenario import Scenario, agent_config
-from world.execution import marshalling
 from world.execution.checkpoint import JOIN, CheckpointWriter
 from world.execution.hosting import RESUME_TIMEOUT, Membership
 from world.execution.lifecycle import Lifecycle

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.control import localization
-from agents.control.localization import Located, Localizer
+from agents.control.localization import Localizer, Located
 from fes.arrays.types import Floats
 from fes.model.config import AgentConfig, FormationConfig, LocalizationConfig, ObjectiveConfig, SensorConfig
 from fes.model.seeking import OracleConfig

@@ -11,11 +11,11 @@ from agents.control import separation
 from agents.control.separation import Near
 from fes.arrays.types import Floats
 from fes.extension.protocols import Formed
+from fes.model import kinematics
 from fes.model.config import FormationConfig
 from fes.model.contacts import Contacts
 from fes.model.sensing import Sensed
 from tests.support import layouts
-from fes.model import kinematics
 
 DT, LIMIT, SAFE = 0.02, 5.0, 5.0
 CONFIG = FormationConfig(linear_limit=LIMIT, safe_separation=SAFE, linear_gain=2.0, separation_gain=0.8)

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fes.arrays import geometry
-from tests.support import reference as witness
 from fes.model import kinematics
+from tests.support import reference as witness
 
 angles = st.floats(-math.pi, math.pi)
 
