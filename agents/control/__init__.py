@@ -4,7 +4,7 @@ crew          crew.step, from what a crew senses and receives to twists and the 
 state         a crew and its state.
 contacts      the peers that a robot has heard, updated by the beacons of a tick.
 links         the links that the neighbor rule selected.
-localization  where a robot is: dead reckoning, corrected by fixes.
+localization  the pose of a robot: dead reckoning, corrected by fixes.
 motion        the twists that follow a formation law's pull (6), (7).
 separation    the filter that keeps robots apart.
 ticks         the tick to answer next, in lockstep and with a live clock.

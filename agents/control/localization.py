@@ -1,4 +1,4 @@
-"""Where a robot is: dead reckoning from its own commands, corrected by fixes of its pose with scalar gains.
+"""The pose of a robot: dead reckoning from its own commands, corrected by fixes with scalar gains.
 
 Between two fixes the pose moves as the commanded twist says. Each new fix corrects position and heading by the share
 K = P / (P + sigma^2) of its difference: P is the variance of the own pose, sigma is told. An old fix is compared with
@@ -52,7 +52,7 @@ class Localizer(NamedTuple):
 
     @property
     def believes_fixes(self) -> bool:
-        """True if a fix of this tick is the pose itself, whatever came before."""
+        """True if a fix of this tick is the pose itself."""
         return not self.is_on or not self.noise.any()
 
     @property
@@ -98,9 +98,10 @@ def start(n: int) -> Located:
 
 
 def at_fixes(tick: int, poses: Floats, commands: Floats, is_known: Bools) -> Located:
-    """The state after a tick at which exact fixes gave the `poses` [n, 3]; robots that are not known start anew."""
+    """The state after a tick at which the poses [n, 3] were the fixes; robots that are not known start anew."""
     used = np.where(is_known, tick, NEVER)
-    return Located(tick, poses, np.zeros_like(commands), commands, commands, used, 0 * used, poses[None])
+    nothing = np.zeros_like(commands)
+    return Located(tick, poses, nothing, nothing, commands, used, 0 * used, poses[None])
 
 
 def forget(located: Located, restarted: Bools) -> Located:
@@ -130,10 +131,8 @@ def locate(localizer: Localizer, located: Located, sensed: Sensed) -> Located:
     Where all poses are the fixes, its array is that of `sensed`.
     """
     tick, poses = sensed.tick, sensed.poses
-    if not localizer.is_on:
-        return located._replace(tick=tick, poses=poses)
     is_new = is_fixed(sensed)
-    if is_new and localizer.is_exact:
+    if not localizer.is_on or (is_new and localizer.is_exact):
         return at_fixes(tick, poses, located.commands, np.ones(len(poses), dtype=np.bool_))
     fixed = np.full(len(poses), tick) if sensed.fixed is None else sensed.fixed
     corrected = _corrected(localizer, _predicted(localizer, located, tick), poses, fixed)
@@ -152,7 +151,7 @@ def command(located: Located, twists: Floats) -> Located:
 
 
 def _predicted(localizer: Localizer, located: Located, tick: int) -> Located:
-    """The state at `tick`, by the commands alone; nobody knows where it is after a long time, or a step back."""
+    """The state at `tick`, by the commands alone; after a long time, or a step back, the robots start anew."""
     ticks = tick - located.tick
     if not 0 < ticks < localizer.memory:
         return start(len(located.used))._replace(tick=tick)
@@ -169,36 +168,36 @@ def _predicted(localizer: Localizer, located: Located, tick: int) -> Located:
     )
 
 
-def _corrected(localizer: Localizer, at: Located, fixes: Floats, fixed: Ints) -> Located:
+def _corrected(localizer: Localizer, now: Located, fixes: Floats, fixed: Ints) -> Located:
     """The state after the `fixes` [n, 3], measured at the ticks `fixed` [n]."""
-    rows, age = np.arange(len(fixed)), at.tick - fixed
-    is_first = at.used == NEVER
-    is_new = (fixed > at.used) & (age < localizer.memory) & ~is_first
+    rows, age = np.arange(len(fixed)), now.tick - fixed
+    is_first = now.used == NEVER
+    is_new = (fixed > now.used) & (age < localizer.memory) & ~is_first
     # before its first fix, a robot stood where that was
-    then = at.past[np.maximum(len(at.past) - 1 - np.where(is_new, age, 0), 0), rows]
+    then = now.past[np.maximum(len(now.past) - 1 - np.where(is_new, age, 0), 0), rows]
     change = fixes - then
     change[:, geometry.HEADING] = geometry.wrap(change[:, geometry.HEADING])
     # the gate: by the position alone, for both
-    total = at.variance + localizer.noise
+    total = now.variance + localizer.noise
     distance = change[:, geometry.X] * change[:, geometry.X] + change[:, geometry.Y] * change[:, geometry.Y]
     is_exact = (age == 0) & localizer.believes_fixes
-    is_far = is_new & (distance > GATE * GATE * total[:, 0]) & ~is_exact
-    rejected = np.where(is_new, np.where(is_far, at.rejected + 1, 0), at.rejected)
+    is_far = is_new & ~(distance <= GATE * GATE * total[:, 0]) & ~is_exact
+    rejected = np.where(is_new, np.where(is_far, now.rejected + 1, 0), now.rejected)
     is_reset = is_first | (is_far & (rejected == REJECTIONS))
     is_taken = (is_new & ~is_far) | is_reset
-    gain = np.where(total > 0.0, at.variance / np.where(total > 0.0, total, 1.0), 1.0)
+    gain = np.where(total > 0.0, now.variance / np.where(total > 0.0, total, 1.0), 1.0)
     gain = np.where(is_reset[:, None], 1.0, np.where(is_taken[:, None], gain, 0.0))
     change = np.where(is_taken[:, None], change * gain[:, [0, 0, 1]], 0.0)
-    moved = _moved(at.poses[None], change)[0]
+    moved = _moved(now.poses[None], change)[0]
     believed = (is_first | (is_taken & (is_reset | is_exact) & (age == 0)))[:, None]
     poses = np.where(believed, fixes, moved)
-    past = np.where(is_first[:, None], fixes, _moved(at.past, change))
+    past = np.where(is_first[:, None], fixes, _moved(now.past, change))
     past[-1] = poses
-    return at._replace(
+    return now._replace(
         poses=poses,
-        variance=np.where(is_taken[:, None], gain * localizer.noise, at.variance),
-        actual=np.where(is_reset[:, None], 0.0, at.actual),
-        used=np.where(is_first | is_new, fixed, at.used),
+        variance=np.where(is_taken[:, None], gain * localizer.noise, now.variance),
+        actual=np.where(is_reset[:, None], 0.0, now.actual),
+        used=np.where(is_first | is_new, fixed, now.used),
         rejected=np.where(is_reset, 0, rejected),
         past=past,
     )

@@ -94,23 +94,11 @@ class CompiledCrew:
         self._links, self._sent = state.links.edges, None
 
     @property
-    def twists(self) -> Floats:
-        """The twists of the last tick [n, 2]."""
-        buffer_, layout = self.stored
-        return layout.view(buffer_, "twists", (len(self.crew.ids), 2)).copy()
-
-    @property
-    def poses(self) -> Floats:
-        """The poses of the last tick [n, 3]."""
-        buffer_, layout = self.stored
-        return layout.view(buffer_, "poses", (len(self.crew.ids), 3)).copy()
-
-    @property
-    def has_stepped(self) -> Bools:
-        """True for a robot that has had a tick since it knew nothing [n]."""
-        buffer_, layout = self.stored
-        never: Bools = layout.view(buffer_, "since", len(self.crew.ids)) < np.iinfo(np.int64).max // 2
-        return never
+    def last(self) -> tuple[Floats, Floats, Bools]:
+        """Poses [n, 3] and twists [n, 2] of the last tick, and True for a robot that has had it [n]."""
+        (buffer_, layout), n = self.stored, len(self.crew.ids)
+        poses, twists = layout.view(buffer_, "poses", (n, 3)), layout.view(buffer_, "twists", (n, 2))
+        return poses.copy(), twists.copy(), layout.view(buffer_, "since", n) < np.iinfo(np.int64).max // 2
 
     def forget(self, restarted: Bools) -> None:
         """Let the robots `restarted` [n] know nothing."""

@@ -92,7 +92,7 @@ class CrewRun:
         return result
 
     def _where(self, compiled: CompiledCrew) -> Located:
-        """Where the robots of the compiled crew are."""
+        """The localization of the compiled crew."""
         if self._located is not None:
             return self._located
-        return localization.at_fixes(self._tick, compiled.poses, compiled.twists, compiled.has_stepped)
+        return localization.at_fixes(self._tick, *compiled.last)

@@ -32,7 +32,9 @@ class MessageAssembler:
         reception = _joined([message.reception for message in received])
         tick = received[0].tick
         is_new = all(message.fixed is None or message.fixed == tick for message in received)
-        fixed = None if is_new else np.array([tick if one.fixed is None else one.fixed for one in received])
+        fixed = (
+            None if is_new else np.array([tick if message.fixed is None else message.fixed for message in received])
+        )
         return Observations(tick, poses, edges, reception, fixed)
 
     def beacons(self, tick: int, received: list[Beacon]) -> Beacons:

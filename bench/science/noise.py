@@ -41,7 +41,7 @@ COLUMNS = (
 
 
 def fixes(noise: float, heading: float, rate: float | None = None, **others: float) -> dict[str, Any]:
-    """The settings of bodies that slip, and of fixes with this noise [m], of their heading [degrees], and rate [1/s]."""
+    """The settings of bodies that slip, and of fixes with this noise [m], also of the heading [degrees], and rate."""
     given = {"pose_noise": noise, "heading_noise": heading * DEGREE, **others}
     rated = {} if rate is None else {"pose_rate": rate}
     return SLIP | {f"sensing.{name}": value for name, value in (given | rated).items() if value}
@@ -57,6 +57,11 @@ class Row:
 
     title: str
     changes: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_unfiltered(self) -> bool:
+        """True if robots take each fix for their pose."""
+        return self.changes.get("localization.filter") == "none"
 
 
 ROWS = [
@@ -88,6 +93,8 @@ class Outcome(NamedTuple):
     turning: float
     """Mean square of all angular velocities, settled [rad^2/s^2]."""
     connected: bool
+    exponent: float
+    """Path-loss exponent that the robots have fitted, settled [1]."""
 
 
 def outcomes(changes: dict[str, Any], seeds: Sequence[int], duration: float = 180.0) -> list[Outcome]:
@@ -96,18 +103,19 @@ def outcomes(changes: dict[str, Any], seeds: Sequence[int], duration: float = 18
     path = CONFIGS / settings.pop("scenario", "measured.toml")
     scenarios = [load(path, settings | {"run.seed": int(seed)}) for seed in seeds]
     metrics = [MetricsCollector(scenario) for scenario in scenarios]
-    squares, count = np.zeros(len(scenarios)), 0
+    squares, exponents, count = np.zeros(len(scenarios)), np.zeros(len(scenarios)), 0
     settled = SETTLED / scenarios[0].run.dt
     for number, together in enumerate(stacked.ticks(scenarios)):
         for collector, tick in zip(metrics, together, strict=True):
             collector.add(tick.state, tick.twists, tick.telemetry)
         if number >= settled:
             squares += [np.mean(tick.twists[:, 1] ** 2) for tick in together]
+            exponents += [np.mean(tick.telemetry.learnt[1]) for tick in together]
             count += 1
     ends = [summary.summarize(collector, "noise", "inprocess", 0.0) for collector in metrics]
     return [
-        Outcome(end["tracking"][0], square / max(count, 1), end["links_connected_always"])
-        for end, square in zip(ends, squares.tolist(), strict=True)
+        Outcome(end["tracking"][0], square / max(count, 1), end["links_connected_always"], exponent / max(count, 1))
+        for end, square, exponent in zip(ends, squares.tolist(), exponents.tolist(), strict=True)
     ]
 
 
@@ -133,7 +141,7 @@ def line(row: Row, rows: Sequence[Outcome]) -> str:
     times, bias = np.where(np.isnan(times), math.inf, times), column(rows, "bias")
     cells = (
         row.title,
-        "no" if row.changes.get("localization.filter") == "none" else "yes",
+        "no" if row.is_unfiltered else "yes",
         f"{np.median(times):.1f} / {times.max():.1f}",
         f"{bias.mean():+.3f} ± {standard_error(bias):.3f}",
         f"{rms(column(rows, 'rmse')):.3f}",
@@ -157,7 +165,7 @@ def main() -> None:
         if not flags.only or any(part in row.title for part in flags.only):
             rows = outcomes(row.changes, range(flags.seeds), flags.duration)
             print(line(row, rows), flush=True)
-            biases[line(row, rows).split(" | ")[0].removeprefix("| ")] = column(rows, "bias")
+            biases[row.title + (", no filter" if row.is_unfiltered else "")] = column(rows, "bias")
     for title, bias in biases.items():
         if "exact" in biases and title != "exact":
             excess = bias - biases["exact"]

@@ -35,6 +35,17 @@ ROUGH: Overrides = {
 }
 """Every effect on top of a channel."""
 
+NOISE: Overrides = {
+    "sensing.pose_noise": 1.0,
+    "sensing.heading_noise": 0.087,
+    "sensing.pose_drift": 0.5,
+    "sensing.pose_rate": 9.0,
+    "sensing.pose_latency": 0.1,
+    "robots.actuator_lag": 0.2,
+    "robots.slip": 0.05,
+}
+"""Every error of sensors and bodies."""
+
 SAMPLED: Overrides = {"seeking.index": "sampled", "seeking.index_transform": "none"}
 SHAPED: Overrides = {"channel.path_loss_exponent": 2.7, "objective.shape_exponent": 3.3}
 """Exponents that are not whole: no product replaces the power."""
@@ -78,6 +89,8 @@ _VARIANTS = {
     "sampled-shadowing": Case("neighborhood", {**SAMPLED, **ROUGH}),
     "measured-faults": Case("measured", {"event": FAULTS, "metric": METRICS}),
     "measured-jump": Case("measured", {"event": [{"at": 1.0, "set": {"channel.reference_snr": 5e6}}]}),
+    "measured-noise": Case("measured", {"event": FAULTS, **NOISE}),
+    "oracle-slow-fixes": Case("neighborhood", {"sensing.pose_rate": 9.0, "sensing.pose_latency": 0.04}),
     "measured-alone": Case("measured", {"seeking.pooling": "none", **SHAPED}),
     "measured-shadowing": Case("measured", ROUGH),
     "measured-logistic": Case("measured", {"channel.model": "logistic", **ROUGH}),

@@ -11,15 +11,7 @@ from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
-from fes.model.config import (
-    FORMULAS,
-    AgentConfig,
-    Clock,
-    FaultConfig,
-    FormationConfig,
-    LocalizationConfig,
-    ObjectiveConfig,
-)
+from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
 from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.settings import toml
@@ -34,7 +26,7 @@ from world.config.outside import schemes, trace_file
 from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
-from world.config.starts import RobotsConfig, SensingConfig
+from world.config.starts import LocalizationConfig, RobotsConfig, SensingConfig
 
 
 class RunConfig(Table):
@@ -251,7 +243,7 @@ def agent_config(scenario: Scenario) -> AgentConfig:
         seeking=scenario.seeking,
         formation=scenario.formation,
         channel=scenario.channel.formula if knows_channel(scenario) else None,
-        sensors=starts.told(scenario.robots, scenario.sensing),
+        sensors=starts.data_sheet(scenario.robots, scenario.sensing),
         localization=scenario.localization,
         clock=scenario.run.clock,
         clock_skew=scenario.run.clock_skew,

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from fes.arithmetic import draws
 from fes.arrays.types import Floats
 from fes.model import counts
+from fes.model.config import LocalizationConfig as LocalizationConfig
 from fes.model.config import SensorConfig
 from fes.model.table import Choice, NonNegative, Positive, Table
 from fes.protocol.keys import MAX_ROBOTS
@@ -22,7 +23,7 @@ MAX_TURN = 1e6
 MAX_LATENCY = 1000
 """Largest latency of a fix [ticks]; robots remember as many of their poses."""
 
-WHOLE = 1e-6
+ROUNDING = 1e-6
 """Distance from a whole number that counts as rounding [1]."""
 
 
@@ -108,18 +109,18 @@ class SensingConfig(Table):
     def check(self, dt: float) -> None:
         """Raise ValueError in one line unless rate and latency fit into ticks of `dt` [s]."""
         latency = counts.ratio(self.pose_latency, dt)
-        if abs(latency - counts.ticks(self.pose_latency, dt)) > WHOLE or latency > MAX_LATENCY:
+        if abs(latency - counts.ticks(self.pose_latency, dt)) > ROUNDING or latency > MAX_LATENCY:
             raise ValueError(
                 f"sensing.pose_latency must be a whole number of ticks, at most {MAX_LATENCY}, got {latency:g}"
             )
-        if self.pose_rate is not None and self.pose_rate * dt > 1.0 + WHOLE:
+        if self.pose_rate is not None and self.pose_rate * dt > 1.0 + ROUNDING:
             raise ValueError(
                 f"sensing.pose_rate must be at most {1.0 / dt:g}, one fix per tick, got {self.pose_rate:g}"
             )
 
 
-def told(robots: RobotsConfig, sensing: SensingConfig) -> SensorConfig:
-    """The data sheet that the robots are told: neither drift nor slip, which nobody knows."""
+def data_sheet(robots: RobotsConfig, sensing: SensingConfig) -> SensorConfig:
+    """The data sheet that the robots are told: neither drift nor slip."""
     return SensorConfig(
         pose_noise=sensing.pose_noise, heading_noise=sensing.heading_noise, actuator_lag=robots.actuator_lag
     )

@@ -20,7 +20,7 @@ class Actuators:
 
     def __init__(self, config: RobotsConfig, seed: int, dt: float) -> None:
         self._lag, self._slip, self._dt = config.actuator_lag, config.slip, dt
-        self._scale = 1.0 + config.slip * Normals(seed, "slip scale", config.number, 2).at(0)
+        self._scale = 1.0 + config.slip * Normals(seed, "slip scale", config.number, 2).of(0)
         self._walk = Normals(seed, "slip walk", config.number, 2)
 
     def start(self) -> Floats:
@@ -31,7 +31,7 @@ class Actuators:
         """The twists that the bodies hold over a tick [n, 2], and the state at its end; an absent robot stands."""
         mean, after = kinematics.respond(actual, commands, self._lag, self._dt)
         if self._slip > 0.0:
-            mean = mean * self._scale + self._slip / math.sqrt(self._dt) * self._walk.at(tick)
+            mean = mean * self._scale + self._slip / math.sqrt(self._dt) * self._walk.of(tick)
         moves = present[:, None]
         return np.where(moves, mean, 0.0), np.where(moves, after, 0.0)
 

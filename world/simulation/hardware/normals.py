@@ -30,7 +30,7 @@ class Normals:
         self._first = -self._length
         self._block: Floats = np.zeros((0, robots, columns))
 
-    def at(self, tick: int) -> Floats:
+    def of(self, tick: int) -> Floats:
         """The numbers of a tick [n, columns]."""
         if not self._first <= tick < self._first + self._length:
             self._first = tick - tick % self._length

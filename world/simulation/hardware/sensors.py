@@ -55,7 +55,7 @@ class Sensors:
 
     def start(self, poses: Floats) -> SensorState:
         """The state at tick 0 of robots at `poses` [n, 3]."""
-        drift = self._config.pose_drift * self._wandering.at(0)
+        drift = self._config.pose_drift * self._wandering.of(0)
         first = Fixes(self._measured(0, poses, drift), np.zeros(len(poses), dtype=np.int64))
         return SensorState(first, (first,) * self._latency, drift)
 
@@ -63,7 +63,7 @@ class Sensors:
         """The state at `tick`, one after that of `state`, with the robots at `poses` [n, 3]."""
         drift = state.drift
         if self._config.pose_drift > 0.0:
-            drift = self._decay * drift + self._step * self._wandering.at(tick)
+            drift = self._decay * drift + self._step * self._wandering.of(tick)
         newest, due = (state.arriving or (state.held,))[-1], self._due(tick)
         if due.any():
             measured = self._measured(tick, poses, drift)
@@ -81,7 +81,7 @@ class Sensors:
     def _measured(self, tick: int, poses: Floats, drift: Floats) -> Floats:
         """The fixes [n, 3] of a tick."""
         config, result = self._config, poses.copy()
-        noise = self._noise.at(tick) if config.pose_noise > 0.0 or config.heading_noise > 0.0 else None
+        noise = self._noise.of(tick) if config.pose_noise > 0.0 or config.heading_noise > 0.0 else None
         if config.pose_drift > 0.0:
             result[:, : geometry.HEADING] += drift
         if noise is not None and config.pose_noise > 0.0:

@@ -1,6 +1,7 @@
 """A crew during a run has the same digits, the same state and the same errors with either core."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,14 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
 }
 
+NOISY: dict[str, tuple[str, dict[str, Any]]] = {
+    "noisy": ("measured", {"sensing__pose_noise": 1.0, "sensing__heading_noise": 0.1, "robots__slip": 0.05}),
+    "slow": ("paper", {"sensing__pose_rate": 5.0, "sensing__pose_latency": 0.04}),
+    "lagging": ("measured", {"sensing__pose_noise": 0.1, "sensing__pose_rate": 9.0, "robots__actuator_lag": 0.2}),
+    "exact but lagging": ("measured", {"robots__actuator_lag": 0.2}),
+    "unfiltered": ("paper", {"sensing__pose_noise": 1.0, "sensing__pose_rate": 9.0, "localization__filter": "none"}),
+}
+
 
 @pytest.fixture(autouse=True)
 def _quiet() -> Iterator[None]:
@@ -48,9 +57,10 @@ def both(crew: Crew) -> tuple[CrewRun, CrewRun]:
     return compiled, numpy
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", [*LAWS, *NOISY])
 def test_a_crew_sends_the_same_and_has_the_same_state_after_every_tick(name: str) -> None:
-    scenario = loop.load(f"{LAWS[name][0]}.toml", **LAWS[name][1])
+    file, settings = (LAWS | NOISY)[name]
+    scenario = loop.load(f"{file}.toml", **settings)
     world = truth.create(scenario)
     state, beacons = truth.start(world), no_beacons()
     crew = crews.create(agent_config(scenario), world.ids)
@@ -146,3 +156,26 @@ def test_a_robot_alone_has_the_same_ticks() -> None:
             beacons = no_beacons()
             assert not bits.differences(compiled.step(given, beacons), numpy.step(given, beacons))
             assert not bits.differences(compiled.state, numpy.state)
+
+
+def test_fixes_that_become_old_and_new_again_give_the_same_digits_with_either_core() -> None:
+    scenario = loop.load("measured.toml")
+    world = truth.create(scenario)
+    state, beacons = truth.start(world), no_beacons()
+    compiled, numpy = both(crews.create(agent_config(scenario), world.ids))
+    theirs, generator, fixed = beacons, np.random.default_rng(3), np.zeros(10, dtype=np.int64)
+    for tick in range(160):
+        is_late = tick // 20 % 2 == 1
+        fixed = np.where(generator.random(10) < 0.5, tick, fixed) if is_late else np.full(10, tick)
+        if tick in (37, 53, 70):
+            for run in (compiled, numpy):
+                run.forget(np.arange(10) % 3 == 0)
+        observations = replace(truth.observe(state), fixed=fixed)
+        ours, other = compiled.step(observations, beacons), numpy.step(observations, theirs)
+        assert not bits.differences(ours, other), tick
+        assert not bits.differences(compiled.state, numpy.state), tick
+        has_payloads = compiled.payloads(ours, state.since, state.present, state.decodable) is not None
+        assert has_payloads == (fixed == tick).all()
+        beacons, theirs = ours.beacons, other.beacons
+        state = truth.step(world, state, ours.twists)
+    assert compiled.compiled is not None

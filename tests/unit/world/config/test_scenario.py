@@ -214,3 +214,27 @@ def test_an_override_with_the_name_of_the_same_extension_keeps_its_parameters() 
     tuned = scenario.parse(minimal(formation={"law": LAW}), "here")
     assert scenario.with_overrides(tuned, {"formation.law": "voronoi"}) == tuned
     assert scenario.with_overrides(tuned, {"formation.law": "paper"}).formation.law == "paper"
+
+
+@pytest.mark.parametrize(
+    ("sensing", "rule"),
+    [
+        ({"pose_latency": 0.03}, "sensing.pose_latency must be a whole number of ticks, at most 1000, got 1.5"),
+        ({"pose_rate": 60.0}, "sensing.pose_rate must be at most 50, one fix per tick, got 60"),
+        ({"pose_noise": -1.0}, "sensing.pose_noise"),
+        ({"pose_noise": math.nan}, "sensing.pose_noise"),
+        ({"pose_drift_time": 0.0}, "sensing.pose_drift_time"),
+    ],
+)
+def test_a_sensor_that_does_not_fit_into_ticks_is_rejected_in_one_line(sensing: dict[str, Any], rule: str) -> None:
+    assert rule in refusal(minimal(sensing=sensing))
+
+
+def test_robots_are_told_the_data_sheet_and_neither_drift_nor_slip_nor_rate() -> None:
+    sensing = {"pose_noise": 1.0, "heading_noise": 0.1, "pose_drift": 2.0, "pose_rate": 5.0, "pose_latency": 0.1}
+    robots = {"poses": [[0.0, 0.0, 0.0]], "actuator_lag": 0.2, "slip": 0.05}
+    told = scenario.agent_config(scenario.parse(minimal(sensing=sensing, robots=robots), "here")).model_dump()
+    assert told["sensors"] == {"pose_noise": 1.0, "heading_noise": 0.1, "actuator_lag": 0.2}
+    assert told["localization"] == {"filter": "dead_reckoning"}
+    hidden = {"pose_drift", "pose_rate", "pose_latency", "pose_drift_time", "slip"}
+    assert not hidden & set(told) | hidden & set(told["sensors"])

@@ -1,0 +1,1 @@
+"""The robots' hardware in the world against moments, differential equations and its rules of time."""
