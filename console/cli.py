@@ -25,6 +25,7 @@ from console.keys import command as keys_command
 from console.replay import command as replay_command
 from console.replay import compare
 from console.sweep import command
+from console.team import command as team_command
 from console.team import table_command
 from console.terminal import printing, progress
 from fes import command_line, process
@@ -62,7 +63,8 @@ guide.command(app, "schema")(schema.schema)
 guide.command(app, "check")(check)
 guide.command(app, "doctor")(doctor)
 guide.command(app, "claims")(analysis_command.show_claims)
-for name, group in (("keys", keys_command.app), ("team", table_command.app)):
+guide.command(team_command.app, "team run")(table_command.run)
+for name, group in (("keys", keys_command.app), ("team", team_command.app)):
     app.add_typer(group, name=name, epilog=f"\b\nExample: {guide.EXAMPLES[name]}")
 
 

@@ -9,7 +9,7 @@ from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from tests.architecture.test_architecture import LAYERS
+from tests.support.layers import LAYERS
 from tests.support.paths import DOCS
 from tests.support.source import arrows
 

@@ -5,10 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from console import guide
 from console.connect import options, run_directory
 from console.dashboard import live
-from console.team.command import app
 from console.team.table_run import TableRun
 from console.terminal import printing
 from fes import process
@@ -18,7 +16,6 @@ from world.config.scenario import load, parse_override
 from world.metrics.summary import write, write_scenario
 
 
-@guide.command(app, "team run")
 def run(
     scenario: options.Scenario,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="A.B=C", help=options.SET)] = None,

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from fes.extension.kinds import Kind
 
-OWN = frozenset({"fes", "agents", "world", "console"})
+OWN = frozenset({"fes", "agents", "world", "field", "console"})
 """Packages of the project."""
 
 PROGRAM = "__main__"

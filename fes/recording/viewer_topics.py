@@ -66,7 +66,7 @@ def transforms(view: View, time: Timestamp) -> FrameTransforms:
     message = FrameTransforms()
     half = 0.5 * view.poses[:, 2]
     columns = (view.poses[:, 0], view.poses[:, 1], np.sin(half), np.cos(half))
-    known: list[bool] = np.isfinite(view.poses).all(axis=1).tolist()
+    known = [bool(row.all()) for row in np.isfinite(view.poses)]
     for robot, (x, y, sine, cosine) in enumerate(np.column_stack(columns).tolist()):
         if known[robot]:
             _place(message, robot, (x, y), (sine, cosine), time)

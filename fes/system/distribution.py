@@ -18,7 +18,7 @@ NAME = "fes-robots"
 STRANGER = "fes"
 """Name of a distribution that is not ours: another project's, or this one before version 0.2.0."""
 
-PACKAGES = ("fes", "agents", "world", "console")
+PACKAGES = ("fes", "agents", "world", "field", "console")
 """Top-level packages of the distribution, beside the module fes_robots."""
 
 HOME = Path(__file__).absolute().parents[2]

@@ -40,8 +40,8 @@ class Reporter:
 
     def _heard(self, step: Step) -> Heard:
         """The counts of each peer, and its last estimate of the link to this robot."""
-        tallies, robot = self._senses.tallies, step.observation.robot
-        peers = sorted(tallies)
+        counted, robot = self._senses.counts, step.observation.robot
+        peers = sorted(counted)
         last = {beacon.robot: beacon for beacon in step.heard}
         estimates = np.full(len(peers), np.nan)
         for place, peer in enumerate(peers):
@@ -50,7 +50,7 @@ class Reporter:
                 estimates[place] = own[0] if len(own) else np.nan
 
         def counts(name: str) -> Ints:
-            return np.array([getattr(tallies[peer], name) for peer in peers], dtype=np.int64)
+            return np.array([getattr(counted[peer], name) for peer in peers], dtype=np.int64)
 
         ids = np.array(peers, dtype=np.int64)
         return Heard(ids, counts("heard"), counts("missed"), counts("late"), estimates)

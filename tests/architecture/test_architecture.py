@@ -12,6 +12,7 @@ from fes import extension
 from fes.extension import registry
 from fes.extension.kinds import CHANNEL, DYNAMICS, KINDS, METRIC, SEEKING
 from fes.model.table import Table
+from tests.support.layers import LAYERS, SHELLS
 from tests.support.paths import ROOT
 from tests.support.source import PACKAGES, arrows, importers, imports, modules, package
 
@@ -24,47 +25,9 @@ FORMULA_READERS = {
 """Modules that may know the channel's formula; `world.metrics.optimum` has it in decimals. Observers see the true
 outage."""
 MAPPED = [str(path.parent.relative_to(ROOT)) for top in PACKAGES for path in (ROOT / top).rglob("__init__.py")]
-LAYERS = (
-    {"fes.errors", "fes.arrays"},
-    {"fes.arithmetic"},
-    {"fes.model", "fes.system"},
-    {"fes.protocol", "fes.extension", "fes.settings", "fes.shapes"},
-    {"fes.protocol", "fes.extension", "fes.ros", "fes.shapes"},
-    {"fes.transport", "fes.recording"},
-    {"fes.process"},
-    {"fes.command_line"},
-    {"agents.configuration", "agents.laws", "agents.rivals", "world.config"},
-    {"agents.control", "world.simulation"},
-    {"agents.core"},
-    {"agents.runtime", "field.radio", "field.senses", "world.metrics"},
-    {"agents.process", "world.execution"},
-    {"agents.__main__", "world.flags", "world.server", "world.tabletop"},
-    {"agents.runtime", "world.metrics"},
-    {"agents.process", "field.gate", "world.execution"},
-    {"agents.__main__", "world.flags", "world.server"},
-    {"world.process"},
-    {"world.__main__", "console.guide", "console.schema", "console.terminal"},
-    {"console.keys"},
-    {"console.connect"},
-    {"console.dashboard", "console.doctor"},
-    {"console.backends", "console.replay", "console.team"},
-    {"console.analysis", "console.check"},
-    {"console.fit", "console.sweep"},
-    {"console.api", "console.cli"},
-    {"console.__main__"},
-)
-"""Sub-packages from the bottom up: each imports only from lower layers, never from its own.
-In addition, agents and world do not import each other. `fes.extension.registry` loads a built-in extension of the
-layers above by its dotted path, only where it is used."""
 LAWS = {"fes.arithmetic", "fes.arrays", "fes.extension", "fes.model"}
 """Packages of the project that the laws import."""
 LAWS_OF_AGENTS = ("agents.configuration.", "agents.laws.", "agents.rivals.")
-SHELLS = (
-    "agents.runtime", "agents.process", "field.radio", "world.server", "world.process", "world.tabletop",
-)  # fmt: skip
-"""The only packages of an agent or a world that import asyncio, or the transport."""
-SHELLS = ("agents.runtime", "agents.process", "field.gate", "world.server", "world.process")
-"""The only packages of an agent, a real robot or a world that import asyncio, or the transport."""
 INTERFACE = "fes/extension"
 """The only package whose `__init__` has more than a docstring: others import names from it."""
 LARGEST_FOLDER = 12

@@ -18,13 +18,13 @@ ROUNDING = 1e-9
 
 def settings(**changes: Any) -> Settings:
     """Settings of robot 3 with changed fields; those of Limits and Timing are given by their own names."""
-    parts = {"limits": Limits(), "timing": Timing(), "placement": Placement()}
+    parts: dict[str, Any] = {"limits": Limits(), "timing": Timing(), "placement": Placement()}
     for name in list(changes):
         for part, value in parts.items():
             if hasattr(value, name) and name not in ("x", "y"):
                 parts[part] = replace(value, **{name: changes.pop(name)})
                 break
-    return Settings(robot=3, **{**parts, **changes})  # type: ignore[arg-type]
+    return Settings(robot=3, **{**parts, **changes})
 
 
 class Rig:
