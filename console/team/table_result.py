@@ -44,7 +44,7 @@ class Truth(NamedTuple):
     positions: Floats
     """True positions at full size [t, n, 2] [m]."""
 
-    def at(self, time: float) -> Floats:
+    def positions_at(self, time: float) -> Floats:
         """The positions at a time [n, 2], linear between two lines of the file."""
         place = min(max(bisect.bisect_right(self.times, time), 1), len(self.times) - 1)
         before, after = self.times[place - 1], self.times[place]
@@ -71,7 +71,7 @@ class TableResult:
         times = [moment.time - started for moment in moments]
         estimates = [float(np.nanmean(moment.estimates)) - self._optimum for moment in moments]
         separations = _Averages(self._period)
-        means = [separations.add(moment, truth.at(moment.time)) for moment in moments]
+        means = [separations.add(moment, truth.positions_at(moment.time)) for moment in moments]
         worst = [float(np.abs(mean - self._optimum).max()) if len(mean) else math.nan for mean in means]
         last = means[-1] - self._optimum if means else np.zeros(0)
         table = {

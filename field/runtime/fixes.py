@@ -1,14 +1,14 @@
 """The pose of a robot at its ticks, from the poses that its body has reported at times of its own."""
 
+import math
 from collections import deque
 from typing import NamedTuple
 
-import numpy as np
-
-from fes.model import kinematics
-
 MEMORY = 256
 """Most poses that are remembered: those of one second at 250 Hz."""
+
+
+Place = tuple[float, float, float]
 
 
 class Pose(NamedTuple):
@@ -16,14 +16,14 @@ class Pose(NamedTuple):
 
     time: int
     """Time of its arrival [ns; monotonic]."""
-    pose: tuple[float, float, float]
+    pose: Place
     """x, y, heading [m, m, rad; team frame, full size]."""
 
 
 class Fix(NamedTuple):
     """A pose for an Observation, and the tick at which it holds."""
 
-    pose: tuple[float, float, float]
+    pose: Place
     tick: int
 
 
@@ -43,19 +43,27 @@ class Fixes:
         """Age of the newest pose [ns]; None before the first."""
         return now - self._poses[-1].time if self._poses else None
 
-    def at(self, tick: int, start: int, twist: tuple[float, float]) -> Fix | None:
+    def fix(self, tick: int, start: int, twist: tuple[float, float]) -> Fix | None:
         """The newest pose that had arrived when `tick` began at the time `start` [ns]; None without one.
 
         It is moved along `twist` [m/s, rad/s], the one in force, to the begin of a tick: of this one if it is younger
         than a tick, else of the tick that began nearest to its arrival. A pose arrives up to a tick before the step,
         in which a fast robot moves by centimeters.
         """
-        known = next((pose for pose in reversed(self._poses) if pose.time <= start), None)
-        if known is None:
+        shown = next((pose for pose in reversed(self._poses) if pose.time <= start), None)
+        if shown is None:
             return None
-        age = start - known.time
+        age = start - shown.time
         behind = 0 if age < self._period else round(age / self._period)
-        ahead = 1e-9 * (start - behind * self._period - known.time)
-        moved = kinematics.move(np.array([known.pose]), np.array([twist]), ahead)
-        x, y, heading = moved[0].tolist()
-        return Fix((x, y, heading), tick - behind)
+        ahead = 1e-9 * (start - behind * self._period - shown.time)
+        return Fix(_moved(shown.pose, twist, ahead), tick - behind)
+
+
+def _moved(pose: Place, twist: tuple[float, float], time: float) -> Place:
+    """A pose after `twist` was held for `time` [s], on the arc of (5). No digit of a law depends on it."""
+    if time == 0.0:
+        return pose
+    (x, y, heading), half = pose, 0.5 * time * twist[1]
+    chord = time * twist[0] * (math.sin(half) / half if half else 1.0)
+    middle = heading + half
+    return x + chord * math.cos(middle), y + chord * math.sin(middle), math.remainder(middle + half, math.tau)

@@ -15,7 +15,7 @@ from field.gate.launch import AgentLink
 from field.gate.link import Command, Progress
 from field.radio.socket import Radio
 from field.runtime import reports, stepper
-from field.runtime.attendance import LONGEST_GAP, Attendance
+from field.runtime.participation import LONGEST_GAP, Participation
 from field.runtime.fixes import Fixes, Pose
 from field.runtime.reports import Reporter
 from field.runtime.stepper import Step, Stepper
@@ -40,7 +40,7 @@ class Robot:
         """Ticks without a step, because the process was suspended."""
         self._clock = TickClock(file.dt, time.time_ns(), time.monotonic_ns())
         self._stepper = Stepper(file.agent_config, robot, self.senses)
-        self._fixes, self._attendance = Fixes(self._clock.period), Attendance()
+        self._fixes, self._participation = Fixes(self._clock.period), Participation()
         self._reporter = Reporter(boot, file.dt, file.seeking, self.senses)
         self._publish, self._born = publish, time.monotonic_ns()
         self._progress: Progress | None = None
@@ -98,8 +98,8 @@ class Robot:
     def _step(self, tick: int) -> Step | None:
         """The step of a tick; None while the robot does not take part."""
         start, mode = self._clock.start(tick), "" if self._progress is None else self._progress.mode
-        fix = self._fixes.at(tick, start, self._twist if mode == RUNNING else STILL)
-        since = self._attendance.step(tick, start, mode, None if fix is None else self._fixes.age(start))
+        fix = self._fixes.fix(tick, start, self._twist if mode == RUNNING else STILL)
+        since = self._participation.step(tick, start, mode, None if fix is None else self._fixes.age(start))
         if since is None or fix is None:
             self._twist = STILL
             return None

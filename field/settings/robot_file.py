@@ -37,7 +37,7 @@ class RobotFile(Table):
     objective: ObjectiveConfig = ObjectiveConfig()
     """The separations that the team prefers."""
     seeking: SeekingConfig = MeasuredConfig(index="measured")
-    """The seeking law; no real robot is told its channel."""
+    """The seeking law, which is not told the channel."""
     formation: FormationConfig = FormationConfig()
     """The formation law and its graph."""
     controller: Choice | None = None
@@ -65,7 +65,7 @@ class RobotFile(Table):
             except FesError as error:
                 raise ValueError(f"{kind.name}: {error}") from None
         if crew_laws.knows_channel(self.seeking, self.formation.law, self.controller):
-            raise ValueError("a law that is told the channel cannot run on a real robot: nobody knows its channel")
+            raise ValueError("a law that is told the channel cannot run on a real robot, whose channel is unknown")
         return self
 
     @property

@@ -1,4 +1,4 @@
-"""A controller that drives in a circle at full speed, whatever it hears: so the motion of its robot is known."""
+"""A controller that ignores its peers and drives in a circle at full speed: a test knows its motion."""
 
 from fes.extension import Table
 from fes.extension.controllers import RobotView, Twist

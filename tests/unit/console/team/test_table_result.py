@@ -77,7 +77,7 @@ def test_a_cut_file_of_the_truth_ends_at_its_last_whole_line(tmp_path: Path) -> 
     path.write_text("\n".join(lines)[:-5])
     truth = table_result.read_truth(path)
     assert truth.times == [1.0, 2.0]
-    assert truth.at(1.25).tolist() == [[1.25, 0.0]]
+    assert truth.positions_at(1.25).tolist() == [[1.25, 0.0]]
 
 
 def test_a_file_without_truth_is_refused(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""When a real robot takes part in its team.
+"""The participation of a real robot in its team: its begin, its end, and a new begin.
 
 A robot that is stopped, or does not know where it is, sends no beacon. Its peers then soon forget it. When it returns
 it starts anew: it cannot know which beacons were sent while it did not listen, so it must not count them as lost.
@@ -10,7 +10,7 @@ LONGEST_GAP = 1_000_000_000
 """A robot that was without a pose, or suspended, for longer than this starts anew [ns]."""
 
 
-class Attendance:
+class Participation:
     """The state of one robot's participation."""
 
     def __init__(self) -> None:
