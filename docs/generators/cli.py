@@ -32,7 +32,9 @@ def page() -> list[str]:
     for path in guide.EXAMPLES:
         group, _, name = path.rpartition(" ")
         if path in groups:
-            lines += [f"## fes {path}", "", f"Commands: `{path} init`, `issue`, `list` and `rules`, below.", ""]
+            first, *others = [of_group.split()[1] for of_group in guide.EXAMPLES if of_group.startswith(f"{path} ")]
+            listed = ", ".join(f"`{command}`" for command in others[:-1])
+            lines += [f"## fes {path}", "", f"Commands: `{path} {first}`, {listed} and `{others[-1]}`, below.", ""]
             continue
         app = groups[group] if group else cli.app
         assert app is not None
