@@ -20,8 +20,9 @@ LAGS = 7
 PARTS = 4
 """Parts of the window that are compared."""
 
-WALKING = 0.25
-"""Mean speed from which on a window is judged, relative to the limit: noise of the pose is small beside it."""
+WALKING, TURNING = 0.25, 0.4
+"""Mean velocities from which on a window is judged, relative to the limits: noise of the pose is small beside them.
+Commanded turns alternate fast, and then little of them is left after a lag."""
 
 LARGEST_FACTOR = 3.0
 
@@ -66,7 +67,8 @@ def updated(motion: Motion, window: float, now: float, twist: Twist, pose: Pose)
     if now - motion.begun < SPACING:
         return motion._replace(current=current, updated=now, pose=pose)
     samples = (*motion.samples, current)[-(_length(window) + LAGS - 1) :]
-    return Motion(samples, Sample(), now, now, pose)
+    begun = max(motion.begun + SPACING, now - SPACING)  # equally spaced, unless the loop was late
+    return Motion(samples, Sample(), begun, now, pose)
 
 
 def problem(motion: Motion, window: float, limits: Limits) -> str:
@@ -75,15 +77,15 @@ def problem(motion: Motion, window: float, limits: Limits) -> str:
     if len(motion.samples) < length + LAGS - 1:
         return ""
     columns = list(zip(*motion.samples, strict=True))
-    for name, limit, commanded, measured in (
-        ("travels", limits.linear, columns[0], columns[2]),
-        ("turns", limits.angular, columns[1], columns[3]),
+    for name, least, commanded, measured in (
+        ("travels", WALKING * limits.linear, columns[0], columns[2]),
+        ("turns", TURNING * limits.angular, columns[1], columns[3]),
     ):
         parts = _parts(measured, length, 0)
         factors = []
         for lag in range(LAGS):
             wanted = _parts(commanded, length, lag)
-            if sum(map(abs, wanted)) < WALKING * limit * window:
+            if sum(map(abs, wanted)) < least * length * SPACING:
                 break  # a lag at which the body was hardly commanded proves nothing
             products = sum(first * second for first, second in zip(wanted, parts, strict=True))
             factors.append(products / sum(first * first for first in wanted))
@@ -93,8 +95,8 @@ def problem(motion: Motion, window: float, limits: Limits) -> str:
 
 
 def _length(window: float) -> int:
-    """Samples in a window, the same number in each of its parts."""
-    return PARTS * max(1, round(window / SPACING / PARTS))
+    """Samples that are compared, the same number in each part; they and those of the lags fill a window."""
+    return PARTS * max(1, (round(window / SPACING) - LAGS + 1) // PARTS)
 
 
 def _parts(values: tuple[float, ...], length: int, lag: int) -> list[float]:

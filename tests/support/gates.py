@@ -1,14 +1,13 @@
 """The pure gate in tests: its events at chosen times, and a body that does what it commands."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 from fes.protocol.robot_control import GateStatus, Permit
 from fes.ros.messages import PoseMessage
 from field.gate import gate as rules
 from field.gate.gate import Gate, Order
-from field.gate.settings import Limits, Placement, Settings, Timing
+from field.gate.settings import Limits, Settings, Timing
 
 PERIOD = 0.02
 FRAME = "map"
@@ -18,12 +17,9 @@ ROUNDING = 1e-9
 
 def settings(**changes: Any) -> Settings:
     """Settings of robot 3 with changed fields; those of Limits and Timing are given by their own names."""
-    parts: dict[str, Any] = {"limits": Limits(), "timing": Timing(), "placement": Placement()}
-    for name in list(changes):
-        for part, value in parts.items():
-            if hasattr(value, name) and name not in ("x", "y"):
-                parts[part] = replace(value, **{name: changes.pop(name)})
-                break
+    limits = {name: changes.pop(name) for name in [*changes] if name in Limits.__dataclass_fields__}
+    timing = {name: changes.pop(name) for name in [*changes] if name in Timing.__dataclass_fields__}
+    parts = {"limits": Limits(**limits), "timing": Timing(**timing)}
     return Settings(robot=3, **{**parts, **changes})
 
 

@@ -171,4 +171,4 @@ def test_a_body_that_does_not_move_as_commanded_stops_within_three_seconds() -> 
     rig.slip = 0.0, 1.0
     rig.run(3.0, 0.2)
     assert rig.status.mode == STOPPED
-    assert rig.status.reason.startswith("the pose travels 0.26 times as far as commanded")
+    assert rig.status.reason.startswith("the pose travels 0.3 times as far as commanded")

@@ -57,7 +57,7 @@ def first_problem(drive: Drive, seen_as: Callable[[Pose], Pose], lag: float = 0.
         )
         state = motion.updated(state, WINDOW, step * DT, commanded, seen_as(pose))
         if problem := motion.problem(state, WINDOW, LIMITS):
-            assert step * DT < 3.0
+            assert step * DT <= WINDOW + 0.5  # and a part, if the body was slow at first
             return problem
     return ""
 
@@ -100,7 +100,7 @@ MISTAKES: dict[str, tuple[Callable[[Pose], Pose], Drive]] = {
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_mistake_of_units_or_frames_is_detected_within_three_seconds(mistake: str) -> None:
+def test_a_mistake_of_units_or_frames_is_detected_within_its_window(mistake: str) -> None:
     seen_as, drive = MISTAKES[mistake]
     assert "times as far as commanded within 2 s" in first_problem(drive, seen_as)
 
