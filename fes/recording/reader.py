@@ -116,7 +116,8 @@ def load(target: Path, parse: Callable[[dict[str, Any], str], S]) -> Log[S]:
     if path is None:
         raise FesError(f"{target} has no {NAME}: the run was not recorded")
     header = _scenario(path)
-    if (version := header.get("log")) not in range(schemas.READABLE, schemas.VERSION + 1):
+    version = header.get("log")
+    if type(version) is not int or not schemas.READABLE <= version <= schemas.VERSION:
         readable = f"versions {schemas.READABLE} and {schemas.VERSION}"
         raise FesError(f"{path} is a log of version {version!r:.20}; this fes reads {readable}")
     ended = _metadata(path)
