@@ -176,7 +176,8 @@ def _ticks(sensed: list[Observations]) -> Ints | None:
     """Tick at which each pose was measured; None if all were at this tick."""
     if all(observations.fixed is None for observations in sensed):
         return None
-    return np.concatenate([np.full(len(one.poses), one.tick) if one.fixed is None else one.fixed for one in sensed])
+    ticks = [np.full(len(run.poses), run.tick) if run.fixed is None else run.fixed for run in sensed]
+    return np.concatenate(ticks)
 
 
 class _Split:

@@ -121,6 +121,15 @@ def test_only_peers_that_are_known_bound_a_robot() -> None:
     assert near.spread == pytest.approx([0.1 / 6.0], rel=1e-14)
 
 
+def test_the_deviation_of_both_ends_is_added_to_the_safe_separation() -> None:
+    where = layouts.poses([(0.0, 0.0), (9.0, 0.0)])
+    contacts, sensed = aged(where, 1, [True, False])
+    near = separation.near(contacts, sensed._replace(deviation=np.array([0.6, 0.0])), DT, CONFIG)
+    assert near is not None
+    # as above, with a safe separation of 5 m and the root of 0.6^2 + 0.6^2
+    assert near.bound == pytest.approx([0.4 * (9.0 - 5.0 - math.sqrt(0.72) - 0.1)], rel=1e-14)
+
+
 def test_the_own_pose_is_that_of_this_tick_and_not_that_of_the_beacons() -> None:
     where = layouts.poses([(0.0, 0.0), (30.0, 0.0)])
     contacts, _ = aged(where, 1)

@@ -182,3 +182,14 @@ def test_a_beacon_with_too_many_links_is_left_to_python_and_takes_no_memory() ->
         length = length or len(before.stored.buffer)
         assert len(before.stored.buffer) == length
     assert length is not None
+
+
+def test_a_fix_of_another_tick_is_left_to_python() -> None:
+    world = world_of("measured")
+    process, others = Process(world, world.ids[:3]), Process(world, world.ids[3:])
+    for one, tick, observed, heard in run(world, [process, others], 8):
+        if one is process and tick > 0:
+            held = messages.decode_observation(observed[1])._replace(fixed=tick - 1)
+            assert held.robot == 1
+            given_ = [observed[0], messages.encode_observation(held), observed[2]]
+            assert process.by_bytes(tick, given_, heard) is None

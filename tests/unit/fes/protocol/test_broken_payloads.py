@@ -42,6 +42,8 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Observation", 7, codes, "codes") for codes in (b"", b"\1\3", "\1\1")),
     *(("Observation", 8, over, "flag") for over in (0, 1, None, "")),
     *(("Observation", 9, since, "tick") for since in (-1, 1.0, None)),
+    *(("Observation", 10, fixed, "tick") for fixed in (-1, 1.0, None)),
+    ("Observation", 10, 8, "expects a pose measured at its tick or before"),
     *(("Join", 1, ids, "ascend") for ids in ([5, 4], [4, 4])),
     *(("Join", 1, ids, "robot") for ids in ([], 4, [-1], [True], [2**31], [1.0], {"a": 4})),
     *(("Join", 2, agent, "number for the agent") for agent in (-1, True, 1.0, None, 2**62 + 1)),
