@@ -15,8 +15,8 @@ from field.gate.launch import AgentLink
 from field.gate.link import Command, Progress
 from field.radio.socket import Radio
 from field.runtime import reports, stepper
-from field.runtime.participation import LONGEST_GAP, Participation
 from field.runtime.fixes import Fixes, Pose
+from field.runtime.participation import LONGEST_GAP, Participation
 from field.runtime.reports import Reporter
 from field.runtime.stepper import Step, Stepper
 from field.runtime.tick_clock import TickClock
