@@ -10,7 +10,7 @@ from fes.extension.kinds import Kind
 from fes.extension.protocols import NoParameters
 from fes.model.config import ObjectiveConfig
 from fes.model.table import Table
-from world.config.schema import attribute_docstrings
+from fes.settings.schema import attribute_docstrings
 
 TITLE = "Built-in extensions"
 INTRODUCTION = """The laws, neighbor rules, channels, dynamics and metrics that come with `fes`. A scenario chooses

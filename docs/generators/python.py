@@ -9,7 +9,7 @@ import fes
 from console.api.result import LinkTable, Run
 from console.api.sweep_table import ResultTable, SweepTable
 from docs.generators.markdown import code, prose, table
-from world.config.schema import attribute_docstrings
+from fes.settings.schema import attribute_docstrings
 
 TITLE = "Python"
 INTRODUCTION = """`import fes` offers these functions. The [how-to page](../how-to/python.md) shows them at work. An

@@ -1,9 +1,10 @@
-"""The page of a scenario: every table and field, with type, unit, range, default and meaning."""
+"""Pages of files of settings: every table and field, with type, unit, range, default and meaning."""
 
 import json
 
 from docs.generators.markdown import code, prose, table
-from world.config.schema import ScenarioField, fields
+from fes.model.table import Table
+from fes.settings.schema import SettingsField, fields
 
 TITLE = "Scenario"
 INTRODUCTION = """A scenario is one TOML file. This page lists every field that it can have. Unknown fields are
@@ -14,11 +15,20 @@ Rules that involve several fields are checked when the scenario is loaded. The e
 and the offending value."""
 
 
-def page() -> list[str]:
-    """The lines of the page, without its title."""
-    described = list(fields())
+ROBOT_TITLE = "robot.toml"
+ROBOT_INTRODUCTION = """`fes-robot` reads its settings from one TOML file, which can serve a whole team: `{robot}` in
+the name of a topic stands for the id of a robot. Unknown fields are errors, and the message names the nearest known
+field. [Run on real robots](../how-to/robots.md) shows how to fill it in.
+
+Lengths and speeds in `[body]` and `[limits]` are those of the body. In all other tables they are those of the law,
+which are `body.scale` times as large."""
+
+
+def page(file: type[Table]) -> list[str]:
+    """The lines of the page of a `file`, without its title."""
+    described = list(fields(file))
     about = {field.path: field.description for field in described}
-    tables: dict[str, list[ScenarioField]] = {}
+    tables: dict[str, list[SettingsField]] = {}
     for field in described:
         tables.setdefault(field.path.rpartition(".")[0], []).append(field)
     lines: list[str] = []
@@ -34,7 +44,7 @@ def _toml(path: str) -> str:
     return f"[[{path.removesuffix('[]')}]]" if path.endswith("[]") else f"[{path}]"
 
 
-def _row(field: ScenarioField) -> list[str]:
+def _row(field: SettingsField) -> list[str]:
     default = "required" if field.is_required else "" if field.default is None else code(json.dumps(field.default))
     name = code(field.path.rpartition(".")[2].removesuffix("[]"))
     return [name, field.type, field.unit, field.range, default, prose(field.description)]

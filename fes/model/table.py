@@ -17,7 +17,7 @@ NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 class Table(BaseModel):
     """A table of a scenario: frozen, complete, strict."""
 
-    # Without use_attribute_docstrings, which parses the source at each start: world.config.schema reads it on demand.
+    # Without use_attribute_docstrings, which parses the source at each start: fes.settings.schema reads it on demand.
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 

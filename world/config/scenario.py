@@ -1,7 +1,7 @@
 """The scenario: one TOML file, typed, frozen and complete."""
 
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
@@ -11,8 +11,8 @@ from fes.errors import FesError, ScenarioError
 from fes.extension import crew_laws, registry
 from fes.extension.kinds import CHANNEL, CONTROLLER, DYNAMICS, FORMATION, METRIC, RULE, SEEKING, Kind
 from fes.model import counts, stability
-from fes.model.config import FORMULAS, AgentConfig, Clock, FaultConfig, FormationConfig, ObjectiveConfig
-from fes.model.seeking import MAX_TICKS, OracleConfig, SeekingConfig
+from fes.model.config import FORMULAS, AgentConfig, FaultConfig, FormationConfig, ObjectiveConfig
+from fes.model.seeking import OracleConfig, SeekingConfig
 from fes.model.table import Table, Use, chosen
 from fes.settings import toml
 from fes.settings.validation import first_rule
@@ -27,25 +27,7 @@ from world.config.overrides import apply
 from world.config.overrides import parse_override as parse_override
 from world.config.radio import RadioConfig
 from world.config.starts import LocalizationConfig, RobotsConfig, SensingConfig
-
-
-class RunConfig(Table):
-    """Duration, tick, seed and clock of a run."""
-
-    dt: Annotated[float, Field(ge=1e-6, le=1e3, allow_inf_nan=False)] = 0.02
-    """Tick length [s]."""
-    duration: Annotated[float, Field(gt=0, le=1e9, allow_inf_nan=False)] = 60.0
-    """Simulated time of the run [s], rounded to a whole number of ticks."""
-    seed: int = Field(default=0, ge=0, lt=2**63)
-    """Seed of every random draw of the run."""
-    clock: Clock = "lockstep"
-    clock_skew: Annotated[float, Field(ge=0, le=10)] = 0.0
-    """Largest skew of a robot's own clock [s]; each robot draws its skew uniformly within it."""
-
-    @model_validator(mode="after")
-    def _countable(self) -> Self:
-        counts.check("duration / dt", self.duration, self.dt, MAX_TICKS)
-        return self
+from world.config.timing import RunConfig
 
 
 class Scenario(Table):

@@ -11,8 +11,8 @@ from fes.extension import registry
 from fes.model import quantities
 from fes.model.quantities import FLAG, NUMBER, OPTIONAL, SUMMARY, TEXT, VERDICTS, Quantity, Shape
 from fes.protocol.report import Report
+from fes.settings.schema import attribute_docstrings
 from tests.support.loop import load
-from world.config.schema import attribute_docstrings
 from world.metrics import deadlines
 
 MEASURED = {"run__duration": 1.0, "seeking__dither_frequency": 25.0}

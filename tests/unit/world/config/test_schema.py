@@ -9,13 +9,14 @@ import pytest
 from fes.errors import ScenarioError
 from fes.model.config import AgentConfig, FaultConfig
 from fes.model.table import Table
+from fes.settings import schema as settings
 from fes.settings import validation
 from fes.system import strict_json
 from tests.support.paths import CONFIGS
 from world.config import scenario as scenarios
-from world.config import schema
+from world.config.schema import ScenarioFile
 
-FIELDS = {field.path: field for field in schema.fields()}
+FIELDS = {field.path: field for field in settings.fields(ScenarioFile)}
 UNIT_OF_THE_KEY = {"expect[].below", "expect[].above", "expect[].equals"}
 """Numbers whose unit is that of the summary's key."""
 SCHEMA = CONFIGS / "scenario.schema.json"
@@ -26,13 +27,13 @@ def test_every_field_has_a_description() -> None:
     bare = [path for path, field in FIELDS.items() if len(field.description.split()) < 2]
     assert bare == []
     assert all(field.description.endswith(".") for field in FIELDS.values())
-    assert [name.replace("[]", "") for name in FIELDS] == validation._fields(schema.ScenarioFile, "")
+    assert [name.replace("[]", "") for name in FIELDS] == validation._fields(ScenarioFile, "")
 
 
 @pytest.mark.parametrize("model", [AgentConfig, FaultConfig])
 def test_every_field_of_an_agents_configuration_has_one_too(model: type[Table]) -> None:
     described = {name for name, field in model.model_fields.items() if field.description}  # such as Clock's own
-    assert described | schema.attribute_docstrings(model).keys() == set(model.model_fields)
+    assert described | settings.attribute_docstrings(model).keys() == set(model.model_fields)
 
 
 def test_every_number_has_a_unit_and_no_other_field() -> None:
@@ -44,7 +45,7 @@ def test_every_number_has_a_unit_and_no_other_field() -> None:
 
 
 def test_a_field_has_type_range_default_and_unit() -> None:
-    assert FIELDS["channel.path_loss_exponent"] == schema.ScenarioField(
+    assert FIELDS["channel.path_loss_exponent"] == settings.SettingsField(
         "channel.path_loss_exponent",
         "number",
         "1",
@@ -62,14 +63,14 @@ def test_a_field_has_type_range_default_and_unit() -> None:
 
 def test_the_schema_in_configs_is_current() -> None:
     advice = "fes schema > configs/scenario.schema.json"
-    assert strict_json.loads(SCHEMA.read_bytes()) == schema.json_schema(), advice
+    assert strict_json.loads(SCHEMA.read_bytes()) == settings.json_schema(ScenarioFile), advice
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_scenario_names_the_schema_for_editors_and_conforms_to_it(path: Any) -> None:
     first = path.read_text(encoding="utf-8").splitlines()[0]
     assert (path.parent / first.removeprefix("#:schema ")).resolve() == SCHEMA
-    scenario, model = tomllib.loads(path.read_text(encoding="utf-8")), schema.json_schema()
+    scenario, model = tomllib.loads(path.read_text(encoding="utf-8")), settings.json_schema(ScenarioFile)
     assert list(broken(scenario, model, model["$defs"], "")) == []
 
 
@@ -101,14 +102,14 @@ def broken(table: dict[str, Any], model: dict[str, Any], models: dict[str, Any],
     ],
 )
 def test_the_schema_knows_which_fields_go_with_an_index(seeking: dict[str, Any]) -> None:
-    model, tables = schema.json_schema(), {"schema": 1, "robots": {"count": 2}, "seeking": seeking}
+    model, tables = settings.json_schema(ScenarioFile), {"schema": 1, "robots": {"count": 2}, "seeking": seeking}
     assert len(list(broken(tables, model, model["$defs"], ""))) == 1
     with pytest.raises(ScenarioError):
         scenarios.parse(tables, "here")
 
 
 def test_the_fields_of_all_seeking_laws_are_listed_once_with_the_indices_that_have_them() -> None:
-    listed = [field.path for field in schema.fields() if field.path.startswith("seeking.")]
+    listed = [field.path for field in settings.fields(ScenarioFile) if field.path.startswith("seeking.")]
     assert len(listed) == len(set(listed)) == 14
     assert FIELDS["seeking.index"].type == "`oracle`, `measured`, `sampled`"
     assert FIELDS["seeking.index"].default == "oracle"
