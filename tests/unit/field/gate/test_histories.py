@@ -119,7 +119,7 @@ def test_no_history_breaks_a_bound_of_the_gate() -> None:
     moved = []
 
     @settings(max_examples=10_000, suppress_health_check=[HealthCheck.too_slow], database=None)
-    @given(st.booleans(), st.binary(max_size=30))
+    @given(st.booleans(), st.binary(max_size=24))
     def all_bounds_hold(begins_started: bool, actions: bytes) -> None:
         moved.append(play(b"\0" * begins_started + actions).moved)
 
