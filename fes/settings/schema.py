@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from fes.model.table import Table
 from fes.settings.validation import tables_within
 
-_UNITS = "1|m|s|rad|kg|N m|dB|m/s|rad/s|m/s^2|rad/s^2|1/s|rad/s/m|bit/s/Hz|ticks"
+_UNITS = r"1|m|s|rad|kg|N m|dB|m/s|rad/s|m/s\^2|rad/s\^2|1/s|rad/s/m|bit/s/Hz|ticks"
 _UNIT = re.compile(rf" ?\[((?:{_UNITS})(?:, (?:{_UNITS}))*)(?:; ([^\]]+))?\]")
 
 _BOUNDS = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}

@@ -83,6 +83,8 @@ def test_an_agent_receives_no_position_and_no_duration() -> None:
         "clock",
         "clock_skew",
         "faults",
+        "sensors",
+        "localization",
     }
 
 
