@@ -17,6 +17,7 @@ def link_estimates(report: Report) -> Floats:
     return mean
 
 
+@np.errstate(all="ignore")
 def mean_estimate(report: Report) -> float:
     """Mean of all estimates [m]; NaN without one."""
     known = _estimates(report)
@@ -30,6 +31,7 @@ def formation_errors(report: Report) -> Floats:
     return error
 
 
+@np.errstate(all="ignore")
 def series(report: Report) -> Floats:
     """Disagreement, largest less smallest estimate, and largest |separation - estimate| [3] [m]; NaN if unknown."""
     estimates, errors = _estimates(report), np.abs(formation_errors(report))

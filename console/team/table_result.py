@@ -102,10 +102,9 @@ class _Averages:
         means = []
         for (a, b), past in self._past.items():
             past.append((moment.time, float(np.hypot(*(positions[a] - positions[b])))))
-            is_full = moment.time - past[0][0] >= self._period
-            while past and moment.time - past[0][0] > self._period:
+            while len(past) > 1 and moment.time - past[1][0] >= self._period:  # reports come at irregular times
                 past.popleft()
-            if is_full:
+            if moment.time - past[0][0] >= self._period:
                 means.append(sum(separation for _, separation in past) / len(past))
         return np.array(means)
 

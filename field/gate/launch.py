@@ -48,8 +48,14 @@ class AgentLink:
         """Send a command, without waiting; False if it is dropped, because the gate is frozen or has ended."""
         return self._frames.send(link.encode_command(command))
 
+    def sleep(self) -> None:
+        """From now on wake the loop for no frame: only `take` reads them."""
+        self._loop.remove_reader(self._frames.end)
+
     def take(self) -> list[PoseSeen]:
         """The poses that have arrived since the last call, the oldest first, MOST_POSES at most."""
+        if not self.is_closed:
+            self._on_readable()
         poses = list(self._poses)
         self._poses.clear()
         return poses

@@ -1,5 +1,8 @@
 """The UDP socket of a robot's beacons: multicast, or the same datagrams to and from a relay by unicast.
 
+The system stamps each datagram as it arrives. So a robot can read them all at once, at its own tick, and need not wake
+for each of them.
+
 A multicast frame is sent once, is not acknowledged and not repeated. So a lost beacon is a loss of the channel, and
 the robots can count it. Zenoh would repeat it, or drop it for reasons of its own.
 """
@@ -26,14 +29,17 @@ OnBeacon = Callable[[Sealed, int], None]
 BUFFER = 1 << 20
 """Wanted size of the receive buffer [bytes]; the system may allow less."""
 
-AT_ONCE = 64
+AT_ONCE = 128
 """Largest number of datagrams that are read before other tasks of the loop get their turn."""
 
 SAME_ROBOT = "a robot must not have two processes"
 
 _IP_MULTICAST_ALL = 49  # Linux's number, which Python does not name
 _SO_RXQ_OVFL = 40
+_SO_TIMESTAMPNS = 35
 _COUNT = struct.Struct("=I")
+_STAMP = struct.Struct("=qq")
+_ROOM = socket.CMSG_SPACE(_COUNT.size) + socket.CMSG_SPACE(_STAMP.size)
 _MEMBERSHIP = struct.Struct("=4s4si")  # struct ip_mreqn: group, address, index of the interface
 
 
@@ -49,8 +55,7 @@ class Radio:
         self._socket, self._run, self._robot, self._key = opened, run, robot, settings.key
         self._to = None if settings.relay else (settings.group, settings.port)
         self._on_beacon, self._window, self._sequence = on_beacon, ReplayWindow(), 0
-        self._loop = asyncio.get_running_loop()
-        self._loop.add_reader(opened, self.receive)
+        self._loop, self._read_at = asyncio.get_running_loop(), time.monotonic_ns()
 
     @classmethod
     async def opened(cls, settings: RadioSettings, run: str, robot: int, on_beacon: OnBeacon) -> "Radio":
@@ -69,6 +74,10 @@ class Radio:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+    def fileno(self) -> int:
+        """The number of the socket, for a loop that is to wake when a datagram arrives."""
+        return self._socket.fileno()
 
     def close(self) -> None:
         """Stop receiving."""
@@ -95,18 +104,27 @@ class Radio:
         return True
 
     def receive(self) -> None:
-        """Read the datagrams that have arrived, up to AT_ONCE of them, and hand on those that pass."""
+        """Read the datagrams that have arrived, up to AT_ONCE of them, and hand on those that pass.
+
+        The time of an arrival is that of the system where it is known, else that of this call.
+        """
+        begin = self._read_at
+        self._read_at, ahead = time.monotonic_ns(), time.time_ns() - time.monotonic_ns()
         for _ in range(AT_ONCE):
             try:
-                datagram, extra, _, _ = self._socket.recvmsg(sealed.LONGEST + 1, socket.CMSG_SPACE(_COUNT.size))
+                datagram, extra, _, _ = self._socket.recvmsg(sealed.LONGEST + 1, _ROOM)
             except BlockingIOError:
                 return
             except OSError:  # the relay did not listen to what was sent before: it may later
                 continue
-            arrived = time.monotonic_ns()
+            arrived = now = time.monotonic_ns()
             for level, kind, data in extra:
                 if level == socket.SOL_SOCKET and kind == _SO_RXQ_OVFL:
                     self.counters.overflowed = _COUNT.unpack(data[: _COUNT.size])[0]
+                elif level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS:
+                    seconds, nanoseconds = _STAMP.unpack(data[: _STAMP.size])
+                    # the wall clock may have jumped since
+                    arrived = min(max(seconds * 1_000_000_000 + nanoseconds - ahead, begin), now)
             self._take(datagram, arrived)
 
     def _take(self, datagram: bytes, arrived: int) -> None:
@@ -172,10 +190,11 @@ async def _connected(relay: str) -> socket.socket:
 
 
 def _socket(family: int) -> socket.socket:
-    """A UDP socket that never blocks, and states how many datagrams the system has dropped before each."""
+    """A UDP socket that never blocks, and states when each datagram arrived and how many were dropped before it."""
     opened = socket.socket(family, socket.SOCK_DGRAM)
     opened.setblocking(False)
     opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
-    with contextlib.suppress(OSError):  # Linux has it
-        opened.setsockopt(socket.SOL_SOCKET, _SO_RXQ_OVFL, 1)
+    for option in (_SO_RXQ_OVFL, _SO_TIMESTAMPNS):
+        with contextlib.suppress(OSError):  # Linux has them
+            opened.setsockopt(socket.SOL_SOCKET, option, 1)
     return opened

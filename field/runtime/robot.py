@@ -39,6 +39,7 @@ class Robot:
         self.skipped = 0
         """Ticks without a step, because the process was suspended."""
         self._clock = TickClock(file.dt, time.time_ns(), time.monotonic_ns())
+        stepper.warm_up(file.agent_config, robot)
         self._stepper = Stepper(file.agent_config, robot, self.senses)
         self._fixes, self._participation = Fixes(self._clock.period), Participation()
         self._reporter = Reporter(boot, file.dt, file.seeking, self.senses)
@@ -67,27 +68,28 @@ class Robot:
         A tick that comes late is answered late: the beacons of its peers would else count as lost. Only the command
         of the newest tick goes to the gate.
         """
+        gate.sleep()
         tick = self._clock.tick(time.monotonic_ns()) + 1
         while True:
             now = time.monotonic_ns()
-            if (ahead := self._clock.start(tick) - now) > 0:
-                await asyncio.sleep(1e-9 * ahead)
-            elif -ahead > LONGEST_GAP:
+            ahead = self._clock.start(tick) - now
+            await asyncio.sleep(max(0.0, 1e-9 * ahead))  # also a late tick lets signals in
+            if -ahead > LONGEST_GAP:
                 newest = self._clock.tick(now)
                 self.skipped, tick = self.skipped + newest - tick, newest
+            radio.receive()
             self._read(gate, log)
             step = self._step(tick)
             if step is not None:
                 self._act(tick, step, gate, radio, log)
             tick += 1
-            await asyncio.sleep(0)  # datagrams that have arrived are heard before the next tick
 
     def _read(self, gate: AgentLink, log: RobotLog | None) -> None:
         """Take the poses and the state that the gate has sent; raises Unavailable if it has ended."""
-        if gate.is_closed:
-            raise Unavailable("the gate has ended: only the driver's own timeout stops the robot now")
         for seen in gate.take():
             self._fixes.add(Pose(seen.received_at, seen.pose))
+        if gate.is_closed:
+            raise Unavailable("the gate has ended: only the driver's own timeout stops the robot now")
         before, after = self._progress, gate.progress
         self._progress = after
         if after is not None and (before is None or (before.mode, before.reason) != (after.mode, after.reason)):

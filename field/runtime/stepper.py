@@ -6,6 +6,7 @@ from agents.runtime.hosted_crew import HostedCrew
 from fes.model.config import AgentConfig
 from fes.protocol import messages
 from fes.protocol.messages import Beacon, Observation, Welcome
+from fes.protocol.sealed import Sealed
 from field.runtime.fixes import Fix
 from field.senses.senses import Senses
 
@@ -37,6 +38,20 @@ class Stepper:
         observation, heard = self._senses.step(tick, fix.pose, fix.tick, since)
         [(_, beacon, command)] = self._crew.answer(self._crew.observe([observation]), heard)
         return Step(observation, heard, beacon, command)
+
+
+def warm_up(config: AgentConfig, robot: int) -> None:
+    """Step another crew with these settings and a peer, so that all code is loaded before the robot moves.
+
+    A first step takes as long as hundreds of others. A beacon that is so late counts as lost at every peer, at the
+    start of a run, which distorts the first estimates. Raises FesError for settings that no crew accepts.
+    """
+    peer, senses = robot + 1, Senses(robot, 4)
+    own, far = Stepper(config, robot, senses), Stepper(config, peer, Senses(peer, 4))
+    for tick in range(1, 5):
+        twist(own.step(tick, Fix((0.0, 0.0, 0.0), tick), 1))
+        beacon = messages.decode_beacon(far.step(tick, Fix((60.0, 1.0, 0.0), tick), 1).beacon)
+        senses.hear(Sealed(peer, 1, tick, b""), beacon, tick + 0.5)
 
 
 def twist(step: Step) -> tuple[float, float]:

@@ -55,7 +55,9 @@ async def comes(condition: Callable[[], bool]) -> None:
 
 
 async def radio(relay: str, robot: int, ear: Ear, key: bytes = KEY, run: str = RUN) -> Radio:
-    return await Radio.opened(RadioSettings(relay=relay, key=key), run, robot, ear)
+    radio = await Radio.opened(RadioSettings(relay=relay, key=key), run, robot, ear)
+    asyncio.get_running_loop().add_reader(radio, radio.receive)
+    return radio
 
 
 @awaited

@@ -37,6 +37,7 @@ SHELLS = (
     "field.process",
     "field.radio",
     "field.runtime",
+    "field.settings",
     "world.process",
     "world.server",
     "world.tabletop",

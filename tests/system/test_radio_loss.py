@@ -31,6 +31,7 @@ async def main():
     heard, end = [], asyncio.Event()
     settings = RadioSettings(interface="lan0", key=b"key")
     with await Radio.opened(settings, "main", 1, lambda beacon, at: heard.append(beacon.sequence)) as radio:
+        asyncio.get_running_loop().add_reader(radio, radio.receive)
         print("ready", flush=True)
         asyncio.get_running_loop().add_reader(sys.stdin, end.set)  # its end: the sender is done
         await end.wait()
@@ -53,6 +54,7 @@ from field.radio.socket import Radio
 async def main():
     settings = RadioSettings(interface="lan0", key=b"key")
     with await Radio.opened(settings, "main", 0, lambda beacon, at: None) as radio:
+        asyncio.get_running_loop().add_reader(radio, radio.receive)
         for _ in range({BEACONS}):
             radio.send(bytes(100))
             await asyncio.sleep(0.001)

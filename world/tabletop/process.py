@@ -85,7 +85,7 @@ class Tabletop:
             self.relay.reach = self._reachability.measure(self._full_size(), self.time)
         if self.truth is not None and self._is_due(truth_file.PERIOD):
             twists = self._bodies.twists()
-            print(truth_file.line(self.time, now, self._full_size(), twists, self.relay), file=self.truth)
+            self.truth.write(truth_file.line(self.time, now, self._full_size(), twists, self.relay) + "\n")
 
     def _is_due(self, period: float) -> bool:
         """True at the cycles at which a `period` [s] ends."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from fes.arrays.types import Bools, Floats
 from fes.errors import ScenarioError
+from fes.model import counts
 from world.config.scenario import Scenario
 from world.simulation import channel, neighbor_list, reception
 from world.simulation.channel import RadioInput
@@ -42,7 +43,7 @@ class Reachability:
         """The pairs in range at `poses` [n, 3] [m, m, rad; at full size], at a `time` of the run [s]."""
         config, number = self._scenario.channel, len(self._ids)
         near = neighbor_list.measure(self._ids, poses, config.communication_range, None)
-        robots = RadioInput(round(time / self._scenario.run.dt), poses, self._present, near)
+        robots = RadioInput(counts.ticks(time, self._scenario.run.dt), poses, self._present, near)
         probability = channel.reception_probability(self._medium, config, robots, near)
         reach = Reach(np.zeros((number, number), dtype=np.bool_), np.zeros((number, number)))
         pairs = near.edges.peers, near.edges.rows

@@ -99,7 +99,7 @@ def test_the_wait_for_a_world_that_does_not_return_begins_when_the_busy_reader_c
 def test_an_observer_that_receives_only_another_version_reports_it() -> None:
     strange = [(1.0 + 0.1 * index, of_another_version(index)) for index in range(50)]
     ticks, error, when = seen(30.0, (0.5, True), *strange)
-    assert (ticks, str(error)) == ([], "Report: speaks protocol 4, got version: 2")
+    assert (ticks, str(error)) == ([], "Report: speaks protocol 4, got version: 3")
     assert when <= 1.0 + observer.FOREIGN_PERIOD + IDLE  # as soon as the world has said enough, for long enough
 
 

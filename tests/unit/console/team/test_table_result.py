@@ -49,7 +49,7 @@ def test_an_estimate_that_leaves_at_the_end_is_not_reached() -> None:
 def test_separations_are_known_after_a_period_of_the_dither() -> None:
     assert run([68.0] * 15, line_of_bodies(68.0, 30.0))["separation_time"] is None
     summary = run([68.0] * 30, line_of_bodies(68.5, 30.0))
-    assert summary["separation_time"] == PERIOD
+    assert summary["separation_time"] == pytest.approx(PERIOD)
     assert summary["separation_error_rms"] == pytest.approx(0.5)
     assert summary["links"] == 2
 
@@ -61,6 +61,14 @@ def test_an_oscillation_of_the_period_is_averaged() -> None:
     summary = run([68.0] * 60, Truth(times.tolist(), positions))
     assert summary["separation_time"] == pytest.approx(PERIOD)
     assert summary["separation_error_max"] < 0.3
+
+
+def test_reports_at_irregular_times_leave_no_gap() -> None:
+    result, time = TableResult(OPTIMUM, PERIOD), 0.0
+    for number in range(400):
+        time += 0.1 + 0.03 * (number % 3 - 1)
+        result.add(report((68.0, 68.0)), time)
+    assert result.summary(0.0, line_of_bodies(68.4, 60.0))["separation_time"] == pytest.approx(PERIOD, abs=0.3)
 
 
 def test_reports_before_the_start_do_not_count() -> None:

@@ -23,14 +23,17 @@ TYPES = {
     "uint64": FieldDescriptor.TYPE_UINT64,
     "bytes": FieldDescriptor.TYPE_BYTES,
     "double": FieldDescriptor.TYPE_DOUBLE,
+    "sint64": FieldDescriptor.TYPE_SINT64,
+    "Fix": FieldDescriptor.TYPE_MESSAGE,
 }
 
 READ = {
     "foxglove.FrameTransforms",
     "foxglove.SceneUpdate",
     "foxglove.Log",
-    *(f"fes.{name}" for name in messages_pb2.DESCRIPTOR.message_types_by_name),
+    *(f"fes.{name}" for name in set(messages_pb2.DESCRIPTOR.message_types_by_name) - {"RobotStep", "Fix"}),
 }
+"""Types in the log of a run; the others are in the log of a robot."""
 
 
 def message_class(name: str, described: bytes) -> Any:
