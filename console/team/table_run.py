@@ -43,6 +43,9 @@ PATIENCE = 60.0
 PAUSE = 0.2
 """Time between two looks for the gates [s]."""
 
+SETTLING = 6.0
+"""Time between the last gate and the start of the robots [s]: the processes that write their logs start meanwhile."""
+
 ENDING = 10.0
 """Longest time for a process to end [s]; then it is killed."""
 
@@ -71,6 +74,7 @@ class TableRun:
             await self._start(robots)
             async with bus.opened(Endpoints("client", (self._endpoint,), timeout=PATIENCE)) as session:
                 await self._ready(session, robots)
+                await asyncio.sleep(SETTLING)
                 run_directory.announce(self._directory, Address(self._endpoint, keys.DEFAULT_RUN, os.getpid()))
                 started = await self._move(session, robots, frames)
         finally:
