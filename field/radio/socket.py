@@ -1,7 +1,7 @@
 """The UDP socket of a robot's beacons: multicast, or the same datagrams to and from a relay by unicast.
 
-The system stamps each datagram as it arrives. So a robot can read them all at once, at its own tick, and need not wake
-for each of them.
+The system stamps each datagram as it arrives. So a robot can read them all at once, at its own tick, and need not
+wake for each of them.
 
 A multicast frame is sent once, is not acknowledged and not repeated. So a lost beacon is a loss of the channel, and
 the robots can count it. Zenoh would repeat it, or drop it for reasons of its own.

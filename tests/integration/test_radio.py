@@ -215,3 +215,19 @@ async def test_datagrams_that_the_system_drops_while_a_robot_does_not_read_are_t
             await comes(lambda: ear.heard[-1].payload == b"last")
             assert mine.counters.overflowed > 0
             assert len(ear.heard) + mine.counters.overflowed == sent + 1
+
+
+@awaited
+async def test_a_clock_that_jumps_moves_no_arrival(monkeypatch: pytest.MonkeyPatch) -> None:
+    arrivals: list[int] = []
+    async with forwarding() as (relay, address):
+        settings = RadioSettings(relay=address, key=KEY)
+        with await Radio.opened(settings, RUN, 0, lambda beacon, at: arrivals.append(at)) as mine:
+            await comes(lambda: len(relay.robots) == 1)
+            for number, jump in enumerate((0, -3_600_000_000_000, 3_600_000_000_000)):
+                before, wall = time.monotonic_ns(), time.time_ns
+                relay.inject(0, sealed.seal(KEY, RUN, 1, 5, number, b"x"))
+                monkeypatch.setattr(time, "time_ns", lambda wall=wall, jump=jump: wall() + jump)
+                await comes(lambda: mine.receive() is None and len(arrivals) == number + 1)  # noqa: B023
+                monkeypatch.undo()
+                assert before - 1_000_000_000 <= arrivals[-1] <= time.monotonic_ns()
