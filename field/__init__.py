@@ -7,7 +7,4 @@ senses    an Observation from what was heard: pure
 runtime   ticks, fixes, steps and reports
 process   the process fes-robot
 __main__  entry point of fes-robot
-radio   authenticated beacons by UDP.
-senses  an Observation per tick from the beacons heard.
-gate  the process between the agent and the wheels
 """

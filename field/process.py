@@ -47,7 +47,7 @@ async def serve(flags: argparse.Namespace) -> int:
         radio = stack.enter_context(await Radio.opened(radio_settings, file.run, robot, living.hear))
         log = stack.enter_context(_log(flags.out, file, robot, boot)) if flags.out else None
         opened.declare_token(keys.robot_alive(file.run, robot))
-        logger.info("ready: run '%s', operator at %s", file.run, file.team.endpoint)
+        logger.info("ready: run '%s', team network at %s", file.run, file.team.endpoint)
         try:
             await living.live(gate, radio, log)
         finally:
@@ -70,24 +70,29 @@ def main() -> None:
     output.configure()
     parser = command_line.OneLineParser(
         prog="fes-robot",
-        description="A real robot: its law, its radio, and the gate before its wheels.",
+        description="Run one real robot: its law, its radio, and the gate that guards its wheels.",
         epilog="example: fes-robot robot.toml --id 3",
     )
     parser.add_argument("file", type=Path, metavar="FILE", help="settings of the robot, such as robot.toml")
-    parser.add_argument("--id", type=_robot, metavar="I", help="the robot, instead of `id` in the file")
+    parser.add_argument("--id", type=_robot, metavar="I", help="id of the robot; overrides `id` in the file")
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder of the robot's log (default: no log)")
-    parser.add_argument("--keys", type=Path, metavar="DIR", help="certificates for the operator's network")
+    parser.add_argument(
+        "--keys",
+        type=Path,
+        metavar="DIR",
+        help="use TLS on the team's network, with certificates of this folder",
+    )
     parser.add_argument(
         "--remote-body",
         action="store_true",
-        help="allow a driver on another machine: a cut delays commands",
+        help="accept a driver on another machine, which may obey old commands after a network cut",
     )
     parser.add_argument(
         "--timeout",
         type=command_line.seconds,
         default=30.0,
         metavar="S",
-        help="longest wait for the driver's router and the operator's (default: %(default)g s)",
+        help="longest wait for the Zenoh routers of the driver and of the team (default: %(default)g s)",
     )
     command_line.add_use_flag(parser)
     parser.add_argument("--exit-with-stdin", action="store_true", help="stop when standard input ends")

@@ -79,10 +79,10 @@ def start(
     run: Run = keys.DEFAULT_RUN,
     robots: Robots = None,
     hold: Annotated[
-        bool, typer.Option("--hold/--no-hold", help="Hold the permit until Ctrl-C, then stop the robots.")
+        bool, typer.Option("--hold/--no-hold", help="Renew the permit until Ctrl-C, then stop the robots.")
     ] = True,
 ) -> int:
-    """Let the robots move while their permit is held; with --no-hold, fes team permit holds it."""
+    """Start the robots and renew their permit until Ctrl-C; with --no-hold, fes team permit must renew it."""
 
     async def begin(session: Bus) -> int:
         chosen = await _chosen(session, run, robots)
@@ -124,11 +124,11 @@ def hold_permit(
     """Permit started robots to move until Ctrl-C, after which they stop within about a second."""
 
     async def hold(session: Bus) -> int:
-        _say(f"run '{run}': the permit is held until Ctrl-C")
+        _say(f"run '{run}': the permit is renewed")
         try:
             await permit.publish(session, run, longest)
         finally:
-            _say("the permit lapses now: the gates stop their robots")
+            _say("the permit is no longer renewed: the gates stop their robots within about a second")
         return process.SUCCESS
 
     endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)

@@ -81,15 +81,15 @@ async def stop(bus: Bus, run: str, robots: Sequence[int], say: Say, timeout: flo
 
 
 async def start_and_hold(bus: Bus, run: str, robots: Sequence[int], say: Say) -> bool:
-    """Start the robots, hold their permit until this task is cancelled, and stop them; True if all did as asked.
+    """Start the robots, renew their permit until this task is cancelled, and stop them.
 
-    Without one started robot there is nothing to hold. The robots are stopped after any error too.
+    True if each robot started and confirmed its stop. The robots are stopped after any error too.
     """
     is_complete = False
     try:
         async with held(bus, run) as permits:
             is_complete = await start(bus, run, robots, say)
-            say("the permit is held: Ctrl-C stops the robots")
+            say("the permit is renewed until Ctrl-C, which stops the robots")
             watching = asyncio.create_task(watch(bus, run, robots, say), name="watch")
             try:
                 done, _ = await asyncio.wait([permits, watching], return_when=asyncio.FIRST_COMPLETED)

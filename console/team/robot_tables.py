@@ -18,11 +18,11 @@ TIMES = {"command_timeout": 0.5, "command_age": 0.4, "pose_age": 0.5, "lateness"
 def robot_tables(scenario: Scenario, run: str, endpoint: str, radio: str) -> dict[str, Any]:
     """The tables of the file: the laws of `scenario`, for its bodies on the router `endpoint` and the relay `radio`.
 
-    Raises FesError for a scenario without a table.
+    Raises FesError for a scenario without [tabletop].
     """
     table = scenario.tabletop
     if table is None:
-        raise FesError(f"the scenario of a team on a table needs [tabletop], and '{run}' has none")
+        raise FesError("fes team run needs a scenario with the table [tabletop]")
     config = agent_config(scenario)
     laws = config.model_dump(
         mode="json",

@@ -58,15 +58,18 @@ def run(
 
 def _lines(result: dict[str, Any]) -> list[str]:
     """The summary in words."""
-
-    def number(name: str, unit: str) -> str:
-        value = result[name]
-        return "not reached" if value is None else f"{value:.2f} {unit}"
-
+    estimate = _reached(result["estimate_time"]), _length(result["mean_estimate_error"])
+    separation = _reached(result["separation_time"]), _length(result["separation_error_rms"])
     return [
-        f"optimum r*: {number('optimal_separation', 'm')}",
-        f"mean estimate within 1 m of it from {number('estimate_time', 's')} on; now off by "
-        f"{number('mean_estimate_error', 'm')}",
-        f"{result['links']} links within 1 m of it from {number('separation_time', 's')} on; rms "
-        f"{number('separation_error_rms', 'm')}",
+        f"optimum r*: {_length(result['optimal_separation'])}",
+        f"mean estimate: {estimate[0]}; error at the end {estimate[1]}",
+        f"separations of {result['links']} links: {separation[0]}; rms error at the end {separation[1]}",
     ]
+
+
+def _reached(time: float | None) -> str:
+    return "not within 1 m of r* at the end" if time is None else f"within 1 m of r* since {time:.2f} s"
+
+
+def _length(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.2f} m"

@@ -134,5 +134,5 @@ def read_truth(path: Path) -> Truth:
         times.append(float(values["monotonic"]))
         positions.append(values["poses"])
     if len(times) < 2:
-        raise FesError(f"{path} has no truth of two moments")
+        raise FesError(f"{path} has fewer than two lines of true poses")
     return Truth(times, np.array(positions)[:, :, :2])

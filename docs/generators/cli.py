@@ -15,6 +15,7 @@ from agents import process as agent
 from console import cli, guide
 from docs.generators.markdown import code, table
 from fes import command_line
+from field import process as robot
 from world import process as world
 from world.tabletop import process as tabletop
 
@@ -42,7 +43,7 @@ def page() -> list[str]:
         assert callback is not None
         lines += [f"## fes {path}", "", *_text(inspect.getdoc(callback) or ""), *_rows(_signature(callback))]
         lines += [f"Example: `{guide.EXAMPLES[path]}`", ""]
-    for parser in (_parser(world.main), _parser(agent.main), _parser(tabletop.main)):
+    for parser in map(_parser, (world.main, agent.main, robot.main, tabletop.main)):
         lines += [f"## {parser.prog}", "", *_text(parser.description or ""), *_rows(_arguments(parser))]
         lines += [f"Example: `{(parser.epilog or '').removeprefix('example: ')}`", ""]
     return lines

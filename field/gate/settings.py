@@ -139,7 +139,7 @@ class Settings:
         for endpoint in (*self.team, self.body.endpoint):
             addresses.check(endpoint, listening=False)
         is_near = self.body.remote or is_on_this_machine(self.body.endpoint)
-        _check(is_near, "expects a body on this machine, unless it is said to be remote", self.body.endpoint)
+        _check(is_near, "expects body.endpoint on this machine, or --remote-body", self.body.endpoint)
 
     def to_json(self) -> str:
         """The settings in one line of JSON."""

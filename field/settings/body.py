@@ -27,16 +27,16 @@ class PoseConfig(OwnTable):
     type: Literal["Odometry", "PoseStamped", "PoseWithCovarianceStamped"] = "Odometry"
     """Type of its messages."""
     frame: TopicName = "map"
-    """Frame of the poses, `frame_id` of the header: the same for the whole team, so seldom `odom`."""
+    """Required `frame_id` of the poses, the same for the whole team. `odom` rarely suits: each robot has its own."""
 
 
 class CommandConfig(OwnTable):
-    """The topic on which the robot obeys."""
+    """The topic on which the robot receives its commands."""
 
     topic: TopicName = f"robot{ROBOT}/cmd_vel"
     """Name of the topic; `{robot}` stands for the robot's id."""
     type: Literal["Twist", "TwistStamped"] = "Twist"
-    """Type of its messages. A driver of another type ignores them, without a word."""
+    """Type of its messages. A driver that expects the other type silently ignores them."""
     frame: Annotated[str, Field(max_length=200)] = "base_link"
     """`frame_id` of a TwistStamped."""
 
@@ -51,15 +51,15 @@ class BodyConfig(OwnTable):
     domain: Annotated[int, Field(ge=0, le=232)] = 0
     """ROS_DOMAIN_ID, for the style `rmw_zenoh`."""
     pose: PoseConfig = PoseConfig()
-    """The pose, from the robot."""
+    """Topic of the robot's poses."""
     command: CommandConfig = CommandConfig()
-    """The twist, to the robot."""
+    """Topic of the robot's commands."""
     scale: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
     """Meters of the law per meter of the body [1]: 100 for a team on a table."""
     x: Coordinate = 0.0
-    """Place of the frame's origin in the team's frame, eastward [m; of the body]."""
+    """x of the origin of the pose frame, in the team's frame [m; body's size]."""
     y: Coordinate = 0.0
-    """Place of the frame's origin in the team's frame, northward [m; of the body]."""
+    """y of the origin of the pose frame, in the team's frame [m; body's size]."""
     heading: Annotated[float, Field(ge=-7.0, le=7.0)] = 0.0
     """Direction of the frame's x axis in the team's frame [rad]."""
 
@@ -78,19 +78,19 @@ class LimitsConfig(OwnTable):
     command_timeout: Positive = 0.25
     """Time without a new command after which the gate commands zero [s]."""
     command_age: Positive = 0.1
-    """Largest age of a command [s]."""
+    """Largest age of a command; the gate refuses older ones [s]."""
     pose_age: Positive = 0.2
     """Time without a pose after which the gate commands zero [s]."""
     pose_jump: Positive = 0.05
-    """Distance between two poses, beyond that of the largest speed, that stops the robot [m]."""
+    """A pose that is farther from the last one than the limits allow, by more than this [m], stops the robot."""
     permit_timeout: Positive = 1.0
     """Time without the operator's permit after which the robot stops [s]."""
     silence: Positive | None = None
     """Time without a beacon of any peer after which the gate commands zero [s]; none by default."""
     lateness: Positive = 0.1
-    """Lateness of the gate's own loop from which on it commands zero [s]; .04 s are ordinary on a busy machine."""
+    """Largest delay of the gate's own loop; after a longer one it commands zero [s]. On a busy machine .04 is common."""
     motion_check: NonNegative = 2.0
-    """Time in which the pose must move as commanded [s]; 0 for no check."""
+    """Time over which the gate compares the motion of the pose with the commands [s]; 0 for no check."""
     fence: list[Corner] = Field(default=[], max_length=100)
     """Corners of the area that the robot must not leave [m; team's frame, of the body]; no fence by default."""
 

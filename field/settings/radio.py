@@ -25,7 +25,8 @@ class RadioConfig(OwnTable):
     relay: Annotated[str, Field(max_length=60)] = ""
     """Address HOST:PORT of a relay, instead of multicast, for robots on one machine; empty without one."""
     key_file: Annotated[str, Field(max_length=400)] = ""
-    """File with the team's key, beside this file. Without one anybody on the network can forge beacons."""
+    """File with the team's key; a relative path starts at the folder of robot.toml. Without a key, any program on the
+    network can forge beacons."""
 
     def settings(self, folder: Path) -> RadioSettings:
         """The settings of the socket, with the key of a file in `folder`; raises FesError."""

@@ -43,11 +43,11 @@ class RobotFile(Table):
     controller: Choice | None = None
     """A whole robot in plain Python, which replaces both laws; none by default."""
     sensing: SensorConfig = SensorConfig()
-    """Data sheet of the sensor of the pose."""
+    """Data sheet of the pose sensor, and the lag of the body."""
     localization: LocalizationConfig = LocalizationConfig()
     """The filter between the sensor and the law."""
     body: BodyConfig = BodyConfig()
-    """The driver."""
+    """The robot's driver, and its place in the team's frame."""
     limits: LimitsConfig = LimitsConfig()
     """Limits of the gate."""
     radio: RadioConfig = RadioConfig()

@@ -26,7 +26,7 @@ def test_started_robots_run_while_the_permit_is_held_and_are_stopped_when_it_end
             assert await held
             assert [fake.mode for fake in fakes.values()] == [STOPPED] * 3
             assert [fake.asked for fake in fakes.values()] == [["start", "stop"]] * 3
-            assert lines[:2] == ["started: 0-1, 4", "the permit is held: Ctrl-C stops the robots"]
+            assert lines[:2] == ["started: 0-1, 4", "the permit is renewed until Ctrl-C, which stops the robots"]
             assert lines[-1] == "stopped: 0-1, 4"
             count = len(fakes[0].permits)
             await permit.stop(operator, RUN, robots, lines.append)  # a round trip, in which no Permit arrives

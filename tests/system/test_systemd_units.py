@@ -46,6 +46,8 @@ def drop_in(name: str) -> str:
 @pytest.mark.parametrize("secure", [False, True])
 def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
     names = {"fes-world.service": "fes-world.service", "fes-agent@3.service": "fes-agent@.service"}
+    if not secure:
+        names["fes-robot@3.service"] = "fes-robot@.service"
     for installed, name in names.items():
         (tmp_path / installed).write_text(text(name))
         if secure:

@@ -17,7 +17,7 @@ def parser() -> command_line.OneLineParser:
     """The parser of all flags."""
     parser = command_line.OneLineParser(
         prog="fes-tabletop",
-        description="Small robots on a table, without hardware: bodies, drivers, and a radio that loses beacons.",
+        description="Simulate small robots on a table: bodies, drivers, and a radio that loses beacons.",
         epilog="example: fes-tabletop tabletop --body mujoco",
     )
     parser.add_argument("scenario", metavar="SCENARIO", help=builtin.ARGUMENT)
@@ -35,9 +35,14 @@ def parser() -> command_line.OneLineParser:
         type=place,
         default=place(RADIO),
         metavar="HOST:PORT",
-        help=f"relay of the radio (default: {RADIO})",
+        help=f"address of the relay that forwards beacons (default: {RADIO})",
     )
-    parser.add_argument("--truth", type=Path, metavar="FILE", help="write the truth to this file, in lines of JSON")
+    parser.add_argument(
+        "--truth",
+        type=Path,
+        metavar="FILE",
+        help="write true poses and counts of datagrams to this file",
+    )
     parser.add_argument("--set", action="append", default=[], metavar="a.b=c", help="override a field")
     parser.add_argument("--seed", type=int, metavar="N", help="override run.seed")
     command_line.add_use_flag(parser)

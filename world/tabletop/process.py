@@ -99,7 +99,7 @@ async def serve(scenario: Scenario, listen: tuple[str, ...], radio: Place, truth
     """A table from start to exit; returns the exit code."""
     config = scenario.tabletop or TabletopConfig()
     if scenario.event:
-        _logger.warning("a table has no events: the %d of the scenario are ignored", len(scenario.event))
+        _logger.warning("fes-tabletop ignores the %d events of the scenario", len(scenario.event))
     table = Tabletop(scenario, config)
     async with bus.opened(Endpoints("router", (), listen)) as opened:
         with contextlib.ExitStack() as stack:

@@ -91,7 +91,7 @@ def test_a_cut_file_of_the_truth_ends_at_its_last_whole_line(tmp_path: Path) -> 
 def test_a_file_without_truth_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "truth.jsonl"
     path.write_text("")
-    with pytest.raises(FesError, match="has no truth of two moments"):
+    with pytest.raises(FesError, match="has fewer than two lines of true poses"):
         table_result.read_truth(path)
     with pytest.raises(FesError, match="cannot be read"):
         table_result.read_truth(tmp_path / "absent")
