@@ -1,4 +1,4 @@
-"""Entry points of the commands `fes`, `fes-world`, `fes-agent` and `fes-tabletop`.
+"""Entry points of the commands `fes`, `fes-world`, `fes-agent`, `fes-robot` and `fes-tabletop`.
 
 Other projects have packages named `fes`, `agents`, `world` or `console`. If Python found one of those first, each
 command would end in a traceback. So this module, whose name is unique, imports our packages only after two checks:

@@ -88,7 +88,7 @@ class LimitsConfig(OwnTable):
     silence: Positive | None = None
     """Time without a beacon of any peer after which the gate commands zero [s]; none by default."""
     lateness: Positive = 0.1
-    """Largest delay of the gate's own loop; after a longer one it commands zero [s]. On a busy machine .04 is common."""
+    """Largest delay of the gate's own loop; after that it commands zero [s]. On a busy machine .04 is usual."""
     motion_check: NonNegative = 2.0
     """Time over which the gate compares the motion of the pose with the commands [s]; 0 for no check."""
     fence: list[Corner] = Field(default=[], max_length=100)

@@ -59,7 +59,7 @@ def test_a_fence_has_an_area_and_reaches_the_gate_at_full_size() -> None:
 
 def test_a_driver_on_another_machine_is_refused_unless_it_is_allowed() -> None:
     file = parsed(body={"endpoint": "tcp/10.0.0.3:7447"})
-    with pytest.raises(FesError, match=r"expects body\\.endpoint on this machine"):
+    with pytest.raises(FesError, match=r"expects body\.endpoint on this machine"):
         gate_settings(file, 0)
     assert gate_settings(file, 0, remote=True).body.remote
 
