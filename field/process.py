@@ -51,6 +51,7 @@ async def serve(flags: argparse.Namespace) -> int:
         try:
             await living.live(gate, radio, log)
         finally:
+            await gate.close()  # first: it stops the robot, while a log or a session may take seconds to close
             logger.info("%s", robots.summary(living, radio))
     return process.SUCCESS
 

@@ -86,8 +86,9 @@ def start(
 
     async def begin(session: Bus) -> int:
         chosen = await _chosen(session, run, robots)
-        action = permit.start_and_hold if hold else permit.start
-        return _code(await action(session, run, chosen, _say))
+        if hold:
+            return _code(await permit.start_and_hold(session, run, chosen, _say))
+        return _code(await permit.start(session, run, chosen, _say) == chosen)
 
     endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
     _leave(endpoints, begin, needs_its_end=True)

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from console.doctor.network import spans
 from console.team import gates
 from console.team.gates import Answer, Answers
+from fes.errors import Unavailable
 from fes.protocol import keys
 from fes.protocol.robot_control import MAX_OPERATOR, Permit, encode_permit
 from fes.transport.bus import Bus
@@ -53,8 +54,8 @@ async def held(bus: Bus, run: str) -> AsyncIterator["asyncio.Task[None]"]:
         await asyncio.gather(task, return_exceptions=True)
 
 
-async def start(bus: Bus, run: str, robots: Sequence[int], say: Say) -> bool:
-    """Ask each gate once to start; True if all do.
+async def start(bus: Bus, run: str, robots: Sequence[int], say: Say) -> list[int]:
+    """Ask each gate once to start; returns the robots that do.
 
     A start is never repeated: it could undo the stop of another operator.
     """
@@ -65,7 +66,10 @@ async def start(bus: Bus, run: str, robots: Sequence[int], say: Say) -> bool:
     started = [robot for robot, answer in answers.items() if gates.is_started(answer)]
     if started:
         say(f"started: {spans(started)}")
-    return len(started) == len(robots)
+    silent = [robot for robot, answer in answers.items() if isinstance(answer, Unavailable)]
+    if silent:  # a start that is still on its way must not move a robot later: the stop comes after it
+        await gates.stop(bus, run, silent, gates.PATIENCE)
+    return started
 
 
 async def stop(bus: Bus, run: str, robots: Sequence[int], say: Say, timeout: float = gates.STOPPING) -> bool:
@@ -88,7 +92,10 @@ async def start_and_hold(bus: Bus, run: str, robots: Sequence[int], say: Say) ->
     is_complete = False
     try:
         async with held(bus, run) as permits:
-            is_complete = await start(bus, run, robots, say)
+            started = await start(bus, run, robots, say)
+            is_complete = len(started) == len(robots)
+            if not started:
+                return False
             say("the permit is renewed until Ctrl-C, which stops the robots")
             watching = asyncio.create_task(watch(bus, run, robots, say), name="watch")
             try:

@@ -105,7 +105,6 @@ class TableRun:
                 str(self._directory),
                 "--timeout",
                 f"{PATIENCE:g}",
-                *used,
             ]
             await self._child(f"fes-robot {robot}", "field", [*words, *used], f"robot-{robot}.log")
 

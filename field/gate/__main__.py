@@ -10,10 +10,13 @@ import socket
 import sys
 
 from fes import process
-from fes.system import output
+from fes.system import background_log, output
 from field.gate import process as gate_process
 from field.gate import settings
 from field.gate.link import TO_GATE, FrameSocket
+
+DRAIN = 0.5
+"""Longest wait for the log at the end, when the robot stands [s]."""
 
 LONGEST_LINE = 1 << 20
 """Longest line of settings [bytes]."""
@@ -30,8 +33,12 @@ def main() -> None:
     line = sys.stdin.buffer.readline(LONGEST_LINE)
 
     async def serve() -> int:
-        agent = FrameSocket(socket.socket(fileno=flags.link), TO_GATE)
-        return await gate_process.serve(settings.from_json(line), agent)
+        drain = background_log.detach()
+        try:
+            agent = FrameSocket(socket.socket(fileno=flags.link), TO_GATE)
+            return await gate_process.serve(settings.from_json(line), agent)
+        finally:
+            drain(DRAIN)
 
     process.run("fes-gate", serve)
 

@@ -47,7 +47,7 @@ class Command(NamedTuple):
 
     sequence: int
     computed_at: int
-    """Time at which its computation ended [ns]."""
+    """Begin of the tick that it answers [ns]: no input is newer."""
     linear: float
     """[m/s; full size]"""
     angular: float

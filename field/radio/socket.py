@@ -29,8 +29,8 @@ OnBeacon = Callable[[Sealed, int], None]
 BUFFER = 1 << 20
 """Wanted size of the receive buffer [bytes]; the system may allow less."""
 
-AT_ONCE = 128
-"""Largest number of datagrams that are read before other tasks of the loop get their turn."""
+AT_ONCE = 4096
+"""Largest number of datagrams that one call reads: a flood does not hold up the robot."""
 
 SAME_ROBOT = "a robot must not have two processes"
 
@@ -108,12 +108,13 @@ class Radio:
 
         The time of an arrival is that of the system where it is known, else that of this call.
         """
-        begin = self._read_at
-        self._read_at, ahead = time.monotonic_ns(), time.time_ns() - time.monotonic_ns()
+        begin, ahead = self._read_at, time.time_ns() - time.monotonic_ns()
+        called = time.monotonic_ns()
         for _ in range(AT_ONCE):
             try:
                 datagram, extra, _, _ = self._socket.recvmsg(sealed.LONGEST + 1, _ROOM)
             except BlockingIOError:
+                self._read_at = called  # all that was there is read
                 return
             except OSError:  # the relay did not listen to what was sent before: it may later
                 continue
@@ -121,7 +122,7 @@ class Radio:
             for level, kind, data in extra:
                 if level == socket.SOL_SOCKET and kind == _SO_RXQ_OVFL:
                     self.counters.overflowed = _COUNT.unpack(data[: _COUNT.size])[0]
-                elif level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS:
+                elif level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS and len(data) >= _STAMP.size:
                     seconds, nanoseconds = _STAMP.unpack(data[: _STAMP.size])
                     # the wall clock may have jumped since
                     arrived = min(max(seconds * 1_000_000_000 + nanoseconds - ahead, begin), now)

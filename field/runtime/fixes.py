@@ -39,6 +39,11 @@ class Fixes:
         """Take a pose, at the time of its arrival."""
         self._poses.append(pose)
 
+    @property
+    def newest(self) -> Place | None:
+        """The newest pose; None before the first."""
+        return self._poses[-1].pose if self._poses else None
+
     def age(self, now: int) -> int | None:
         """Age of the newest pose [ns]; None before the first."""
         return now - self._poses[-1].time if self._poses else None

@@ -42,11 +42,12 @@ class Robot:
         stepper.warm_up(file.agent_config, robot)
         self._stepper = Stepper(file.agent_config, robot, self.senses)
         self._fixes, self._participation = Fixes(self._clock.period), Participation()
-        self._reporter = Reporter(boot, file.dt, file.seeking, self.senses)
+        self._reporter = Reporter(robot, boot, file.dt, file.seeking, self.senses)
         self._publish, self._born = publish, time.monotonic_ns()
         self._progress: Progress | None = None
         self._twist, self._heard_at, self._reported_at = STILL, 0, 0
-        self._unreadable = 0
+        self._unreadable = self._unsent = 0
+        self._pose_age = round(1e9 * file.limits.pose_age)
 
     def hear(self, sealed: Sealed, arrived: int) -> None:
         """Take a datagram of a peer that arrived at a time [ns; monotonic]."""
@@ -58,6 +59,8 @@ class Robot:
             self._unreadable += 1
             return
         self._heard_at = arrived
+        if self._participation.since is None:  # it starts anew, and no step would take the beacon
+            return
         tick = self._clock.tick(arrived)
         share = (arrived - self._clock.start(tick)) / self._clock.period
         self.senses.hear(sealed, beacon, tick + share)
@@ -82,6 +85,7 @@ class Robot:
             step = self._step(tick)
             if step is not None:
                 self._act(tick, step, gate, radio, log)
+            self._report(tick, step)
             tick += 1
 
     def _read(self, gate: AgentLink, log: RobotLog | None) -> None:
@@ -108,18 +112,33 @@ class Robot:
         return self._stepper.step(tick, fix, since)
 
     def _act(self, tick: int, step: Step, gate: AgentLink, radio: Radio, log: RobotLog | None) -> None:
-        """Send the beacon, the command and, some times per second, a report."""
-        radio.send(step.beacon)
+        """Send the beacon and the command. A command from an old pose stays here: the gate could not tell."""
+        self._send(step.beacon, radio)
         start, now = self._clock.start(tick), time.monotonic_ns()
         self._twist = stepper.twist(step)
-        if now - start < self._clock.period:
+        age = self._fixes.age(start)
+        if now - start < self._clock.period and age is not None and age <= self._pose_age:
             gate.send(Command(tick, start, *self._twist, self._heard_at))
         if log is not None:
             beacons = [messages.encode_beacon(beacon) for beacon in step.heard]
             log.tick(tick, messages.encode_observation(step.observation), beacons, step.beacon, step.command, now)
+
+    def _send(self, beacon: bytes, radio: Radio) -> None:
+        """Send a beacon; one with too many links for a datagram is not sent, and said once."""
+        try:
+            radio.send(beacon)
+        except MessageError as error:
+            if not self._unsent:
+                self.logger.warning("beacons are not sent: %s", error)
+            self._unsent += 1
+
+    def _report(self, tick: int, step: Step | None) -> None:
+        """Publish a report if it is due, also of a robot that does not take part."""
+        now = time.monotonic_ns()
         if now - self._reported_at >= reports.PERIOD:
             self._reported_at = now
-            report = self._reporter.report(step, now - self._born, self._fixes.age(now), self._progress)
+            pose = self._fixes.newest
+            report = self._reporter.report(tick, step, pose, now - self._born, self._fixes.age(now), self._progress)
             self._publish(encode_robot_report(report))
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from fes.model.table import NonNegative, OwnTable, Positive
+from fes.model.table import OwnTable, Positive
 from fes.transport.endpoints import DEFAULT_ENDPOINT
 
 Endpoint = Annotated[str, Field(min_length=1, max_length=200)]
@@ -37,8 +37,6 @@ class CommandConfig(OwnTable):
     """Name of the topic; `{robot}` stands for the robot's id."""
     type: Literal["Twist", "TwistStamped"] = "Twist"
     """Type of its messages. A driver that expects the other type silently ignores them."""
-    frame: Annotated[str, Field(max_length=200)] = "base_link"
-    """`frame_id` of a TwistStamped."""
 
 
 class BodyConfig(OwnTable):
@@ -89,7 +87,7 @@ class LimitsConfig(OwnTable):
     """Time without a beacon of any peer after which the gate commands zero [s]; none by default."""
     lateness: Positive = 0.1
     """Largest delay of the gate's own loop; after that it commands zero [s]. On a busy machine .04 is usual."""
-    motion_check: NonNegative = 2.0
+    motion_check: Annotated[float, Field(ge=0, le=30)] = 2.0
     """Time over which the gate compares the motion of the pose with the commands [s]; 0 for no check."""
     fence: list[Corner] = Field(default=[], max_length=100)
     """Corners of the area that the robot must not leave [m; team's frame, of the body]; no fence by default."""

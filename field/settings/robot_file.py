@@ -18,6 +18,9 @@ from fes.settings.validation import first_rule
 from field.settings.body import BodyConfig, LimitsConfig, TeamConfig
 from field.settings.radio import RadioConfig
 
+JUMPS = 6.0
+"""Least distance between two poses that counts as a jump, in standard deviations of a fix."""
+
 TickLength = Annotated[float, Field(ge=0.005, le=1.0)]
 
 
@@ -64,6 +67,16 @@ class RobotFile(Table):
                 registry.check(kind, choice)
             except FesError as error:
                 raise ValueError(f"{kind.name}: {error}") from None
+        if self.dt >= self.limits.command_timeout:
+            raise ValueError(
+                f"dt must be below limits.command_timeout, got {self.dt:g} and {self.limits.command_timeout:g}"
+            )
+        least = JUMPS * self.sensing.pose_noise / self.body.scale
+        if self.limits.pose_jump < least:
+            raise ValueError(
+                f"limits.pose_jump must be at least {JUMPS:g} sensing.pose_noise / body.scale = {least:g}, "
+                f"got {self.limits.pose_jump:g}"
+            )
         if crew_laws.knows_channel(self.seeking, self.formation.law, self.controller):
             raise ValueError("a law that is told the channel cannot run on a real robot, whose channel is unknown")
         return self
@@ -79,6 +92,17 @@ class RobotFile(Table):
         return chosen
 
     @property
+    def within_limits(self) -> FormationConfig:
+        """The formation law, whose twists the gate need not clip: the robot then knows which twist is in force."""
+        linear, angular = self.body.scale * self.limits.linear, self.limits.angular
+        own = self.formation
+        limits = {
+            "linear_limit": linear if own.linear_limit is None else min(own.linear_limit, linear),
+            "angular_limit": angular if own.angular_limit is None else min(own.angular_limit, angular),
+        }
+        return own.model_copy(update=limits)
+
+    @property
     def agent_config(self) -> AgentConfig:
         """The settings of the crew."""
         return AgentConfig(
@@ -86,7 +110,7 @@ class RobotFile(Table):
             seed=self.seed,
             objective=self.objective,
             seeking=self.seeking,
-            formation=self.formation,
+            formation=self.within_limits,
             channel=None,
             controller=self.controller,
             clock="live",

@@ -82,7 +82,7 @@ def test_a_setting_that_cannot_work_is_refused_in_one_line(changes: dict[str, An
 
 @pytest.mark.parametrize("endpoint", ["tcp/10.0.0.3:7447", "tcp/robot.local:7447", "udp/[fe80::1]:7447"])
 def test_a_body_on_another_machine_is_refused_unless_it_is_said_to_be_remote(endpoint: str) -> None:
-    with pytest.raises(FesError, match="expects a body on this machine"):
+    with pytest.raises(FesError, match=r"expects body\.endpoint on this machine"):
         replace(FULL, body=BodySettings(endpoint))
     assert replace(FULL, body=BodySettings(endpoint, remote=True)).body.endpoint == endpoint
 
