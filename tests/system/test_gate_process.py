@@ -186,7 +186,7 @@ def start_gate(text: str) -> "tuple[subprocess.Popen[str], FrameSocket]":
 def test_a_body_on_another_machine_and_broken_settings_are_refused_in_one_line() -> None:
     table = json.loads(Settings(3).to_json())
     table["body"]["endpoint"] = "tcp/192.0.2.1:7447"
-    for text, rule in ((json.dumps(table), "expects a body on this machine"), ("{", "one table of JSON")):
+    for text, rule in ((json.dumps(table), "expects body.endpoint on this machine"), ("{", "one table of JSON")):
         child, end = start_gate(text)
         _, errors = child.communicate(timeout=PATIENCE)
         end.close()
