@@ -57,8 +57,8 @@ def test_a_robot_moves_after_its_start_and_stands_after_a_stop(style: str, comma
             marks = [topics.read_attachment(mark) for mark in on.body.attachments]
             numbers = [mark.sequence for mark in marks if mark is not None]
             assert numbers == sorted(set(numbers))  # a congested network drops some
-                assert len(numbers) == (len(marks) if style == "rmw_zenoh" else 0)
-                assert min(numbers, default=1) >= 1
+            assert len(numbers) == (len(marks) if style == "rmw_zenoh" else 0)
+            assert min(numbers, default=1) >= 1
 
     run(main)
 
