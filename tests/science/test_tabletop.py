@@ -29,9 +29,10 @@ def test_estimates_on_a_table_are_within_a_meter_of_the_optimum_by_twenty_second
 
 @BODIES
 def test_bodies_on_a_table_obey_their_top_speeds_at_full_size(body: str) -> None:
-    ticks = list(tabletop_loop.ticks(tabletop_loop.load(body, 1, 4.0)))
+    scenario = tabletop_loop.load(body, 1, 4.0)
+    ticks, dt = list(tabletop_loop.ticks(scenario)), scenario.run.dt
     poses = np.array([tick.state.poses for tick in ticks])
-    speeds = np.hypot(*np.moveaxis(np.diff(poses[:, :, :2], axis=0), 2, 0)) / 0.02
+    speeds = np.hypot(*np.moveaxis(np.diff(poses[:, :, :2], axis=0), 2, 0)) / dt
     assert 10.0 < speeds.max() < 1.1 * 20.0  # m/s; the start asks for all that they have
-    turns = np.abs(np.angle(np.exp(1j * np.diff(poses[:, :, 2], axis=0)))) / 0.02
+    turns = np.abs(np.angle(np.exp(1j * np.diff(poses[:, :, 2], axis=0)))) / dt
     assert 3.0 < turns.max() < 1.1 * 3.6  # rad/s

@@ -22,7 +22,7 @@ from world.config import builtin
 from world.config.outside.schemes import Comparison
 from world.config.scenario import Scenario
 
-COMMANDS = {path: line for path, line in guide.EXAMPLES.items() if path != "keys"}
+COMMANDS = {path: line for path, line in guide.EXAMPLES.items() if path not in ("keys", "team")}
 
 
 def command(path: str) -> Any:
@@ -62,7 +62,7 @@ def test_each_command_has_an_example_that_can_be_typed(path: str, tmp_path: Path
     result.make_context(path, words[len(path.split()) :])  # raises for an unknown option or argument
 
 
-@pytest.mark.parametrize("program", ["fes-world", "fes-agent", "fes-tabletop"])
+@pytest.mark.parametrize("program", ["fes-world", "fes-agent", "fes-robot", "fes-tabletop"])
 def test_each_service_has_an_example(program: str, tmp_path: Path) -> None:
     assert f"example: {program} " in call(tmp_path, program, "--help").stdout
 

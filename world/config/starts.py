@@ -94,7 +94,7 @@ class SensingConfig(Table):
     of it."""
     pose_drift_time: Annotated[float, Field(ge=1e-3, le=1e9)] = 30.0
     """Correlation time of that error [s]."""
-    pose_rate: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    pose_rate: Annotated[float, Field(ge=1e-6, le=1e9)] | None = None
     """Fixes per second of each robot, at most one per tick [1/s]; None: one at each tick. Robots are staggered, and
     hold a fix until the next one."""
     pose_latency: Annotated[float, Field(ge=0, le=1)] = 0.0
