@@ -43,6 +43,13 @@ class Truth(NamedTuple):
     """Monotonic times [s], ascending."""
     positions: Floats
     """True positions at full size [t, n, 2] [m]."""
+    bodies: list[float]
+    """Time of the bodies at each of them [s]: they stand still while their process gets no processor."""
+
+    def lost(self, begin: float) -> float:
+        """Time for which the bodies stood still since the monotonic time `begin` [s]."""
+        first = min(bisect.bisect_left(self.times, begin), len(self.times) - 1)
+        return self.times[-1] - self.times[first] - (self.bodies[-1] - self.bodies[first])
 
     def positions_at(self, time: float) -> Floats:
         """The positions at a time [n, 2], linear between two lines of the file."""
@@ -83,6 +90,7 @@ class TableResult:
             "separation_error_max": float(np.abs(last).max()) if len(last) else math.nan,
             "separation_error_rms": float(np.sqrt(np.mean(last * last))) if len(last) else math.nan,
             "separation_time": _since(times, worst),
+            "bodies_lost_s": max(0.0, truth.lost(started)),
         }
         finite: dict[str, Any] = strict_json.finite(table)
         return finite
@@ -125,14 +133,15 @@ def read_truth(path: Path) -> Truth:
         lines = files.read(path, LARGEST).splitlines()
     except OSError as error:
         raise FesError(f"{path} cannot be read: {reason(error, with_file=False)}") from None
-    times, positions = list[float](), list[list[list[float]]]()
+    times, bodies, positions = list[float](), list[float](), list[list[list[float]]]()
     for line in lines:
         try:
             values = strict_json.loads(line)
         except ValueError:
             break
         times.append(float(values["monotonic"]))
+        bodies.append(float(values["time"]))
         positions.append(values["poses"])
     if len(times) < 2:
         raise FesError(f"{path} has fewer than two lines of true poses")
-    return Truth(times, np.array(positions)[:, :, :2])
+    return Truth(times, np.array(positions)[:, :, :2], bodies)

@@ -63,6 +63,7 @@ class TableRun:
         self._scenario, self._directory, self._say = scenario, directory, say
         self._endpoint = f"tcp/127.0.0.1:{free_port()}"
         self._children: list[ManagedProcess] = []
+        self._team = Team(keys.DEFAULT_RUN, range(scenario.robots.number))
         self._result = TableResult(
             optimal_separation(scenario.objective, scenario.channel), crew_laws.physical_period(scenario.seeking)
         )
@@ -84,6 +85,7 @@ class TableRun:
             "clock": "robots",
             "robots": len(robots),
             **self._result.summary(started, read_truth(self._directory / TRUTH)),
+            "beacons": dict(self._team.totals()),
         }
 
     async def _start(self, robots: list[int]) -> None:
@@ -128,7 +130,7 @@ class TableRun:
 
     async def _move(self, session: Bus, robots: list[int], frames: live.Screen | None) -> float:
         """Hold the permit for the scenario's duration, and collect the reports; returns the monotonic start."""
-        team, name = Team(keys.DEFAULT_RUN, robots), keys.DEFAULT_RUN
+        team, name = self._team, keys.DEFAULT_RUN
         with TeamRecorder(self._directory / RECORD, team) as recorder:
             reports = self._collected(observer.reports(session, name, PATIENCE, team), team, recorder, frames)
             tasks = [

@@ -25,7 +25,7 @@ def report(*estimates: tuple[float, float]) -> Report:
 def line_of_bodies(separation: float, until: float) -> Truth:
     """Three robots in a line, at this separation all the time."""
     positions = np.array([[0.0, 0.0], [separation, 0.0], [2 * separation, 0.0]])
-    return Truth([0.0, until], np.array([positions, positions]))
+    return Truth([0.0, until], np.array([positions, positions]), [0.0, until])
 
 
 def run(estimates: list[float], truth: Truth) -> dict[str, Any]:
@@ -58,7 +58,7 @@ def test_an_oscillation_of_the_period_is_averaged() -> None:
     times = np.arange(0.0, 60.0, 0.1)
     separations = OPTIMUM + 5.0 * np.sin(2.0 * math.pi * times / PERIOD)
     positions = np.array([[[0.0, 0.0], [r, 0.0], [2.0 * r, 0.0]] for r in separations])
-    summary = run([68.0] * 60, Truth(times.tolist(), positions))
+    summary = run([68.0] * 60, Truth(times.tolist(), positions, times.tolist()))
     assert summary["separation_time"] == pytest.approx(PERIOD)
     assert summary["separation_error_max"] < 0.3
 
@@ -79,9 +79,15 @@ def test_reports_before_the_start_do_not_count() -> None:
     assert summary["mean_estimate_error"] is None
 
 
+def test_time_for_which_the_bodies_stood_still_is_told() -> None:
+    truth = Truth([0.0, 1.0, 2.0, 3.0], np.zeros((4, 2, 2)), [0.0, 0.9, 1.4, 2.4])
+    assert truth.lost(0.0) == pytest.approx(0.6)
+    assert truth.lost(1.5) == pytest.approx(0.0)
+
+
 def test_a_cut_file_of_the_truth_ends_at_its_last_whole_line(tmp_path: Path) -> None:
     path = tmp_path / "truth.jsonl"
-    lines = [json.dumps({"monotonic": time, "poses": [[time, 0.0, 0.0]]}) for time in (1.0, 2.0, 3.0)]
+    lines = [json.dumps({"monotonic": time, "time": time, "poses": [[time, 0.0, 0.0]]}) for time in (1.0, 2.0, 3.0)]
     path.write_text("\n".join(lines)[:-5])
     truth = table_result.read_truth(path)
     assert truth.times == [1.0, 2.0]
