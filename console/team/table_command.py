@@ -15,7 +15,7 @@ from world.config import builtin
 from world.config.scenario import load, parse_override
 from world.metrics.summary import write, write_scenario
 
-LOST, LATE = 0.3, 2e-3
+LOST, LATE = 0.2, 1e-3
 """Time for which bodies may stand still [s], and share of late beacons, in a run in real time."""
 
 

@@ -24,10 +24,6 @@ ROBOTS = (
 )
 
 
-MOST = 0.9
-"""Share of the commands that must arrive: each is sent once, and dropped rather than delayed."""
-
-
 class Verdict:
     """Claims, counted and printed."""
 
@@ -52,8 +48,8 @@ def judge(verdict: Verdict, stage: Stage, done: Drive) -> None:
     sent = [[linear, angular] for linear, angular, _ in done.sent]
     heard = [twist for twist in stage.heard if twist[0] != 0.0]
     places = [sent.index(twist[:2]) if twist[:2] in sent else -1 for twist in heard]
-    arrived = -1 not in places and places == sorted(set(places)) and len(heard) >= MOST * COMMANDS
-    verdict.claim(arrived, f"{name}: {len(heard)} of {COMMANDS} commands arrived, in order and to the digit")
+    arrived = -1 not in places and places == sorted(places) and set(places) == set(range(COMMANDS))
+    verdict.claim(arrived, f"{name}: each of {COMMANDS} commands arrived, in order and to the digit")
     if robot.twist == "TwistStamped":
         marks = all(twist[2:] == [done.sent[place][2], FRAME] for twist, place in zip(heard, places, strict=True))
         verdict.claim(marks, f"{name}: with its time and its frame")
