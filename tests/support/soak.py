@@ -183,7 +183,7 @@ class Trouble:
         away = self._away()
         for robot, process in {-1: self._team.world, **self._team.agents}.items():
             if robot not in away:
-                name = "the world" if robot < 0 else f"agent {robot}"
+                name = "the world" if robot < 0 else f"agent-{robot}"
                 self._expect(process.poll() is None, f"{name} ended by itself with {process.returncode}")
 
     def _take_in(self) -> None:
@@ -203,7 +203,13 @@ class Trouble:
 
     def _expect(self, holds: bool, otherwise: str) -> None:
         if not holds:
-            raise AssertionError(f"{otherwise}; see {self._team.logs}; until then {dict(self.counts)}")
+            logs = self._team.logs
+            lines = {file.stem: _last_lines(file) for file in sorted(logs.iterdir()) if file.stem in otherwise}
+            raise AssertionError(f"{otherwise}; see {logs}; until then {dict(self.counts)}; {lines}")
+
+
+def _last_lines(file: Path) -> list[str]:
+    return file.read_text(errors="replace").splitlines()[-5:]
 
 
 def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
