@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import os
+import random
 import signal
 import socket
 from collections.abc import AsyncIterator, Iterator
@@ -233,11 +234,21 @@ async def ended_with_block(group: ProcessGroup) -> AsyncIterator[None]:
         await asyncio.shield(group.stop())
 
 
+PORTS = range(20_000, 32_000)
+"""Ports for worlds that this machine starts."""
+
+
 def free_port() -> int:
-    """A free TCP port of the loopback interface."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """A free TCP port of the loopback interface; raises OSError if there is none.
+
+    Linux and macOS give the ports of PORTS to no outgoing connection, so the port also stays free while a world that
+    listens on it is restarted.
+    """
+    for port in random.sample(PORTS, 100):
+        with contextlib.suppress(OSError), socket.socket() as probe:
+            probe.bind(("127.0.0.1", port))
+            return port
+    raise OSError("no free port on 127.0.0.1")
 
 
 def share(robots: int, per_process: int) -> Iterator[str]:

@@ -25,7 +25,7 @@ SILENT = 1.0
 RECENT = 2.0
 """Time without a new beacon after which a peer counts as out of range [s]."""
 
-COUNTS = ("heard", "missed", "late")
+COUNTS = ("heard", "missed", "concealed")
 """Kinds of beacons that a robot counts."""
 
 MAX_SUM = MAX_TICK - 1
@@ -45,7 +45,7 @@ class Member:
     starts: int = 1
     """Starts of its agent that the observer has seen."""
     past: Counter[str] = field(default_factory=Counter)
-    """Beacons heard, missed and late in the reports of its agent's earlier starts."""
+    """Beacons heard, missed and concealed in the reports of its agent's earlier starts."""
     counted: dict[int, int] = field(default_factory=dict)
     """Beacons heard of each peer."""
     rose: dict[int, float] = field(default_factory=dict)
@@ -64,7 +64,7 @@ class Member:
         self.report, self.time = report, now
 
     def totals(self) -> Counter[str]:
-        """Beacons heard, missed and late, of all peers and all starts together."""
+        """Beacons heard, missed and concealed, of all peers and all starts together."""
         beacons = self.report.beacons
         return Counter({name: self.past[name] + int(getattr(beacons, name).sum()) for name in COUNTS})
 
@@ -173,7 +173,7 @@ class Team:
         )
 
     def totals(self) -> Counter[str]:
-        """Beacons heard, missed and late, of all robots and all their peers together."""
+        """Beacons heard, missed and concealed, of all robots and all their peers together."""
         counts = Counter(dict.fromkeys(COUNTS, 0))
         for member in self.members.values():
             counts.update(member.totals())
@@ -213,10 +213,10 @@ class Team:
         sent = decoded = 0
         for robot, peer in ((a, b), (b, a)):
             if robot in self.members:
-                peers, heard, missed, late, _ = self.members[robot].report.beacons
+                peers, heard, missed, _, _ = self.members[robot].report.beacons
                 for index in np.flatnonzero(peers == peer).tolist():
                     decoded += int(heard[index])
-                    sent += int(heard[index] + missed[index] + late[index])
+                    sent += int(heard[index] + missed[index])
         return sent, decoded
 
     def _learnt(self, pairs: list[Pair], separations: list[float], now: float) -> dict[str, Any]:

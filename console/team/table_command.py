@@ -15,8 +15,8 @@ from world.config import builtin
 from world.config.scenario import load, parse_override
 from world.metrics.summary import write, write_scenario
 
-LOST, LATE = 0.2, 1e-3
-"""Time for which bodies may stand still [s], and share of late beacons, in a run in real time."""
+LOST, CONCEALED = 1.0, 0.03
+"""Time for which bodies may stand still [s], and share of ticks that conceal a pause, in a run in real time."""
 
 
 def run(
@@ -56,15 +56,15 @@ def run(
             for line in _lines(result):
                 printing.line(line)
             if was_busy(result):
-                printing.line("the machine was too busy for real time: late beacons count as lost, so robots err")
+                printing.line("the machine was too busy for real time: bodies and robots stood still at times")
             printing.line(f"run directory: {directory.path}")
     return process.SUCCESS
 
 
 def was_busy(result: dict[str, Any]) -> bool:
-    """True if the machine could not keep up with real time: the bodies stood still, or beacons were late."""
+    """True if the machine could not keep up with real time: the bodies or the robots stood still."""
     beacons = result["beacons"]
-    return bool(result["bodies_lost_s"] > LOST or beacons["late"] > LATE * max(1, beacons["heard"]))
+    return bool(result["bodies_lost_s"] > LOST or beacons["concealed"] > CONCEALED * max(1, beacons["heard"]))
 
 
 def _lines(result: dict[str, Any]) -> list[str]:

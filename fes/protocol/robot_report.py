@@ -36,16 +36,16 @@ NO_AGE = -1.0
 
 
 class Heard(NamedTuple):
-    """The beacons of each peer that a robot has heard of since its agent started, by their sequence numbers."""
+    """The ticks of a robot since its agent started, by what they hold of each peer, by sequence numbers."""
 
     peers: Ints
     """Ascending [p]."""
     heard: Ints
-    """Beacons that arrived in time [p]."""
+    """Ticks with a beacon that decoded [p]."""
     missed: Ints
-    """Beacons that never arrived [p]."""
-    late: Ints
-    """Beacons that arrived too late, and were dropped [p]."""
+    """Ticks with a beacon that was lost [p]."""
+    concealed: Ints
+    """Ticks that repeat an earlier one, because the peer or the network paused [p]."""
     estimates: Floats
     """The peer's own separation estimate of the link to this robot, from its last beacon [p] [m]; NaN without one."""
 
@@ -103,7 +103,7 @@ def encode_robot_report(report: RobotReport) -> bytes:
         encode_command(report.command),
         float(report.reference_separation),
         wire.id_bytes(beacons.peers),
-        [counts.astype("<i8").tobytes() for counts in (beacons.heard, beacons.missed, beacons.late)],
+        [counts.astype("<i8").tobytes() for counts in (beacons.heard, beacons.missed, beacons.concealed)],
         beacons.estimates.astype("<f8").tobytes(),
         report.mode,
         report.reason[:LONGEST_REASON],
@@ -150,13 +150,13 @@ def _command(name: str, payload: Any) -> Command:
 def _heard(name: str, peers: Any, counts: Any, estimates: Any) -> Heard:
     ids = wire.ids(name, peers)
     wire.check(name, len(ids) <= MAX_PEERS, f"expects at most {MAX_PEERS} peers", len(ids))
-    wire.check(name, type(counts) is list and len(counts) == 3, "expects heard, missed and late", counts)
-    heard, missed, late = (_counts(name, blob, len(ids)) for blob in counts)
+    wire.check(name, type(counts) is list and len(counts) == 3, "expects heard, missed and concealed", counts)
+    heard, missed, concealed = (_counts(name, blob, len(ids)) for blob in counts)
     is_long = type(estimates) is bytes and len(estimates) == 8 * len(ids)
     wire.check(name, is_long, f"expects {len(ids)} float64", estimates)
     of_peers = np.frombuffer(estimates, dtype="<f8")
     wire.check(name, not np.isinf(of_peers).any(), "numbers must be finite, or NaN", of_peers.tolist())
-    return Heard(ids, heard, missed, late, of_peers)
+    return Heard(ids, heard, missed, concealed, of_peers)
 
 
 def _counts(name: str, blob: Any, peers: int) -> Ints:

@@ -72,4 +72,4 @@ class Reporter:
             return np.array([getattr(counted[peer], name) for peer in peers], dtype=np.int64)
 
         ids = np.array(peers, dtype=np.int64)
-        return Heard(ids, counts("heard"), counts("missed"), counts("late"), estimates)
+        return Heard(ids, counts("heard"), counts("missed"), counts("concealed"), estimates)

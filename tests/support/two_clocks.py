@@ -33,12 +33,15 @@ class Peer:
     loss: float = 0.0
     repeats: float = 0.0
     """Share of the beacons that arrive twice, within four ticks."""
+    pause: float = 0.0
+    """The network holds all beacons for so many ticks, once in 200 ticks."""
 
     def arrivals(self, count: int, seed: int) -> list[tuple[float, int]]:
         """Time [own ticks] and tick of each arrival of `count` beacons, in the order of time."""
         rng = np.random.default_rng(seed)
         ticks = np.arange(count)
         times = ticks * (1.0 + self.drift) + self.phase + self.jitter * rng.random(count)
+        times = np.maximum(times, times // 200.0 * 200.0 + self.pause)
         arriving = rng.random(count) >= self.loss
         again = arriving & (rng.random(count) < self.repeats)
         later = times + 4.0 * rng.random(count)

@@ -48,8 +48,9 @@ class Team:
     """Time of each own step of robot 0 [s]."""
     errors: list[float] = field(default_factory=list)
     """Mean of all estimates less the optimum, at these times [m]."""
-    by_slot: list[float] = field(default_factory=list)
-    """Error of separations between a beacon's pose and the own pose at its slot, which a crew uses [m]: a sample."""
+    by_tick: list[float] = field(default_factory=list)
+    """Error of separations between a beacon's pose and the own pose of the tick before, which a crew uses [m]: a
+    sample."""
     by_reception: list[float] = field(default_factory=list)
     """The same with the own pose at its reception [m]."""
     delivered: int = 0
@@ -115,7 +116,7 @@ class Team:
         pairs = zip(beacons, self.senses[robot].poses_at_reception(), strict=True)
         for beacon, at_reception in pairs:
             true = self._true[beacon.robot, beacon.pose][robot]
-            for own, errors in ((self._own[robot], self.by_slot), (at_reception, self.by_reception)):
+            for own, errors in ((self._own[robot], self.by_tick), (at_reception, self.by_reception)):
                 errors.append(math.hypot(beacon.pose[0] - own[0], beacon.pose[1] - own[1]) - true)
 
     def _listen(self, now: float, robot: int, tick: int) -> None:

@@ -57,14 +57,14 @@ def test_each_end_of_a_link_has_its_own_estimate_and_their_differences_add_up() 
     assert report.disagreement == 4.0
 
 
-def test_beacons_of_both_ends_are_counted_and_a_late_one_counts_as_sent() -> None:
+def test_beacons_of_both_ends_are_counted_without_concealed_ticks() -> None:
     team = Team("field")
     team.add(a_robot_report(0, [1], beacons=heard([1], 80, 15, 5)), 5.0)
     team.add(a_robot_report(1, [0], beacons=heard([0], 70, 30, 0)), 5.0)
     report = team.report(5.0)
-    assert (link(report, "sent"), link(report, "decoded")) == ([200.0], [150.0])
+    assert (link(report, "sent"), link(report, "decoded")) == ([195.0], [150.0])
     assert (report.beacons_sent, report.beacons_decoded) == (200, 150)
-    assert team.totals() == {"heard": 150, "missed": 45, "late": 5}
+    assert team.totals() == {"heard": 150, "missed": 45, "concealed": 5}
 
 
 def test_no_number_that_needs_the_truth_exists() -> None:
@@ -123,7 +123,7 @@ def test_counts_of_an_earlier_start_remain_in_the_totals() -> None:
     team = Team("field")
     team.add(a_robot_report(0, [1], beacons=heard([1], 80, 15, 5)), 5.0)
     team.add(a_robot_report(0, [1], 0.1, boot=8, beacons=heard([1], 3, 1, 0)), 6.0)
-    assert team.totals() == {"heard": 83, "missed": 16, "late": 5}
+    assert team.totals() == {"heard": 83, "missed": 16, "concealed": 5}
 
 
 def test_time_is_that_of_the_robot_that_has_run_longest_and_never_goes_back() -> None:

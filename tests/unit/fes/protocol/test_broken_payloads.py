@@ -72,7 +72,7 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("RobotReport", 7, scale, "a separation") for scale in (-1.0, math.nan, 75)),
     *(("RobotReport", 8, ids, "ascend") for ids in (int32(9, 2), int32(-1, 2))),
     ("RobotReport", 8, int32(*range(4097)), "at most 4096 peers"),
-    *(("RobotReport", 9, counts, "heard, missed and late") for counts in ([], [b""] * 2, b"")),
+    *(("RobotReport", 9, counts, "heard, missed and concealed") for counts in ([], [b""] * 2, b"")),
     *(("RobotReport", 9, [int64(1, 2), blob, int64(1, 2)], "2 int64") for blob in (b"", int64(1), [1, 2])),
     *(("RobotReport", 9, [int64(1, bad)] * 3, "counts from 0 to 4294967296") for bad in (-1, 2**32 + 1)),
     *(("RobotReport", 10, blob, "2 float64") for blob in (b"", float64(1.0), [1.0, 2.0])),

@@ -1,0 +1,25 @@
+"""Counts of the beacons of one peer."""
+
+from dataclasses import dataclass
+
+
+@dataclass
+class BeaconCounts:
+    """Verdicts and beacons of one peer since the robot's start. While a peer is in range, each own tick has one."""
+
+    heard: int = 0
+    """Ticks with the verdict of a beacon that decoded."""
+    missed: int = 0
+    """Ticks with the verdict of a beacon that was lost."""
+    concealed: int = 0
+    """Ticks that repeat an earlier verdict, because nothing new was known: the peer or the network paused."""
+    stale: int = 0
+    """Ticks that count as lost, because no beacon of the peer has arrived for long."""
+    dropped: int = 0
+    """Verdicts without a tick, because more of them waited than the network's delays require."""
+    repeated: int = 0
+    """Beacons that had arrived already, or arrived too late to count."""
+    unsent: int = 0
+    """Ticks in which the peer sent no beacon, by its sequence numbers: its own loop was late."""
+    starts: int = 0
+    """Times that the peer's verdicts began anew: at its start, and after each silence."""
