@@ -93,8 +93,7 @@ class Team:
         return self._start("world.process", "world", *words, "-l", self.endpoint, "--checkpoint", "2")
 
     def _agent(self, robot: int) -> "subprocess.Popen[bytes]":
-        words = ["--id", str(robot), "-e", self.endpoint, "--timeout", "60"]
-        return self._start("agents.process", f"agent-{robot}", *words)
+        return self._start("agents.process", f"agent-{robot}", f"--id={robot}", "-e", self.endpoint, "--timeout=60")
 
     def _start(self, module: str, name: str, *words: str) -> "subprocess.Popen[bytes]":
         with (self.logs / f"{name}.log").open("ab") as stream:
@@ -183,8 +182,8 @@ class Trouble:
         away = self._away()
         for robot, process in {-1: self._team.world, **self._team.agents}.items():
             if robot not in away:
-                name = "the world" if robot < 0 else f"agent-{robot}"
-                self._expect(process.poll() is None, f"{name} ended by itself with {process.returncode}")
+                name, code = "the world" if robot < 0 else f"agent-{robot}", process.poll()
+                self._expect(code is None, f"{name} ended by itself with {code}")
 
     def _take_in(self) -> None:
         """Restart an agent that ended because a beacon was lost with the world's router and its sender."""
@@ -198,18 +197,15 @@ class Trouble:
 
     def _was_bereft(self, robot: int) -> bool:
         """True if an agent reports a beacon lost with the world's router while its sender had died too."""
-        lines = (self._team.logs / f"agent-{robot}.log").read_text(errors="replace").splitlines()
-        return bool(lines) and "a beacon that decoded did not arrive" in lines[-1]
+        return "a beacon that decoded did not arrive" in self._said(f"agent-{robot}").rpartition("\n")[2]
+
+    def _said(self, name: str) -> str:
+        return (self._team.logs / f"{name}.log").read_text(errors="replace").rstrip()
 
     def _expect(self, holds: bool, otherwise: str) -> None:
         if not holds:
-            logs = self._team.logs
-            lines = {file.stem: _last_lines(file) for file in sorted(logs.iterdir()) if file.stem in otherwise}
-            raise AssertionError(f"{otherwise}; see {logs}; until then {dict(self.counts)}; {lines}")
-
-
-def _last_lines(file: Path) -> list[str]:
-    return file.read_text(errors="replace").splitlines()[-5:]
+            said = self._said(otherwise.split(" ended")[0].removeprefix("the "))
+            raise AssertionError(f"{otherwise}; until then {dict(self.counts)}; {said[-1000:]}")
 
 
 def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
@@ -223,11 +219,9 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
         assert team.world.wait(PATIENCE) in (0, -signal.SIGTERM)
         team.resume("max")
         trouble.peace()
-        codes = {"world": team.world.wait(PATIENCE)}
-        codes |= {f"agent {robot}": agent.wait(PATIENCE) for robot, agent in team.agents.items()}
+        codes = {robot: process.wait(PATIENCE) for robot, process in {-1: team.world, **team.agents}.items()}
         assert set(codes.values()) == {0}, codes
-        orphans = team.orphans()
-        assert not orphans, orphans
+        assert not team.orphans(), team.orphans()
     finally:
         team.end()
     summary = json.loads((out / "summary.json").read_text())
@@ -257,9 +251,9 @@ def main() -> None:
     flags = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         out = flags.out or Path(folder) / "run"
-        print(f"seed {flags.seed}, {flags.minutes:g} minutes of faults", flush=True)
-        for quantity, number in soak(out, flags.minutes, flags.seed).items():
-            print(f"{quantity:>36}  {number:,.6g}")
+        print(f"seed {flags.seed}", flush=True)
+        for name, number in soak(out, flags.minutes, flags.seed).items():
+            print(f"{name:>36}  {number:,.6g}")
 
 
 if __name__ == "__main__":
