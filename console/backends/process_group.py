@@ -241,8 +241,8 @@ PORTS = range(20_000, 32_000)
 def free_port() -> int:
     """A free TCP port of the loopback interface; raises OSError if there is none.
 
-    Linux and macOS give the ports of PORTS to no outgoing connection, so the port also stays free while a world that
-    listens on it is restarted.
+    Linux and macOS give the ports of PORTS to no outgoing connection. So the port stays free while its world is
+    restarted.
     """
     for port in random.sample(PORTS, 100):
         with contextlib.suppress(OSError), socket.socket() as probe:

@@ -93,7 +93,9 @@ class Team:
         return self._start("world.process", "world", *words, "-l", self.endpoint, "--checkpoint", "2")
 
     def _agent(self, robot: int) -> "subprocess.Popen[bytes]":
-        return self._start("agents.process", f"agent-{robot}", f"--id={robot}", "-e", self.endpoint, "--timeout=60")
+        return self._start(
+            "agents.process", f"agent-{robot}", f"--id={robot}", "-e", self.endpoint, f"--timeout={PATIENCE}"
+        )
 
     def _start(self, module: str, name: str, *words: str) -> "subprocess.Popen[bytes]":
         with (self.logs / f"{name}.log").open("ab") as stream:
