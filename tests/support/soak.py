@@ -50,8 +50,7 @@ ASLEEP = (0.5, 14.0)
 DOZE = (0.2, 1.0)
 """Suspensions of the world [s]: shorter than a session's lease of 2 s, so that its sessions survive."""
 
-PATIENCE = 600.0
-"""[s]"""
+PATIENCE = 600.0  # s
 
 
 class Team:
@@ -253,7 +252,7 @@ def main() -> None:
     flags = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         out = flags.out or Path(folder) / "run"
-        print(f"seed {flags.seed}", flush=True)
+        print("seed", flags.seed, flush=True)
         for name, number in soak(out, flags.minutes, flags.seed).items():
             print(f"{name:>36}  {number:,.6g}")
 
