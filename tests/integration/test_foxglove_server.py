@@ -4,6 +4,7 @@ import asyncio
 
 from console.foxglove import server
 from console.foxglove.server import Viewers
+from fes.system import strict_json
 from tests.support import foxglove_client
 from tests.support.foxglove_client import Client, fields
 from tests.support.frames import a_report
@@ -93,5 +94,19 @@ def test_a_program_that_speaks_no_websocket_does_not_disturb_the_clients() -> No
             async with foxglove_client.connected(viewers.port) as client:
                 await client.until(has("/tf", tick=3))
             writer.close()
+
+    asyncio.run(story())
+
+
+def test_a_client_can_only_read() -> None:
+    async def story() -> None:
+        with server.opened(0) as viewers:
+            async with foxglove_client.connected(viewers.port) as client:
+                channel = {"id": 1, "topic": "/tf", "encoding": "json", "schemaName": ""}
+                await client.socket.send(strict_json.dumps({"op": "advertise", "channels": [channel]}))
+                show(viewers, 3, [(0, 1)])
+                await client.until(has("/tf", tick=3))
+                assert client.capabilities == ["time"]
+                assert {channel.encoding for channel in client.channels.values()} == {"protobuf"}
 
     asyncio.run(story())

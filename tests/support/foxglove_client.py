@@ -60,6 +60,8 @@ class Client:
     """The last message of each topic."""
     sessions: list[str] = field(default_factory=list)
     """Id of each session that the server has announced."""
+    capabilities: list[str] = field(default_factory=list)
+    """Parts of the protocol that the server offers beside its channels."""
     times: list[int] = field(default_factory=list)
     """Each time of the server [ns]."""
     _topics: dict[int, str] = field(default_factory=dict)
@@ -78,6 +80,7 @@ class Client:
         table = strict_json.loads(frame)
         if table["op"] == "serverInfo":
             self.sessions.append(table["sessionId"])
+            self.capabilities = table["capabilities"]
         elif table["op"] == "advertise":
             for channel in table["channels"]:
                 await self._subscribe(channel)
