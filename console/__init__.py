@@ -6,6 +6,7 @@ api        the Python interface: load, run, read and sweep, as the package fes o
 backends   how runs are executed: processes, one loop, stacked
 connect    run directories, reports of a running world, and fes set
 dashboard  the live dashboard: reports to frames
+foxglove   a running run in Foxglove and Lichtblick
 terminal   lines, tables, progress, full-screen frames, keys pressed
 replay     logs: fes replay and fes compare
 sweep      fes sweep: many runs, compared

@@ -1,5 +1,7 @@
 """fes view: the dashboard of a running run."""
 
+import contextlib
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Annotated
 
@@ -9,12 +11,14 @@ from console.connect import run_directory
 from console.connect.options import Cfg, Config, Connect, ObserverKeys, Run
 from console.connect.run_directory import Client
 from console.dashboard import live
+from console.foxglove import server
 from console.terminal import printing
 from fes import command_line, process
-from fes.errors import Unavailable
+from fes.errors import FesError, Unavailable
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.bus import Bus
+from fes.transport.endpoints import Endpoints
 from fes.transport.identity import OBSERVER
 
 LOOK = 2.0
@@ -30,6 +34,15 @@ def view(
     certificates: ObserverKeys = None,
     run: Run = keys.DEFAULT_RUN,
     picture: Picture = None,
+    foxglove: Annotated[
+        bool, typer.Option("--foxglove", help="Serve the topics of the log to Foxglove and Lichtblick instead.")
+    ] = False,
+    port: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, help=f"Port of --foxglove on {server.HOST} ({server.PORT} by default; 0: any free one)."
+        ),
+    ] = None,
     timeout: Annotated[
         float, typer.Option(min=1e-3, max=command_line.YEAR, help="Longest wait for the world [s].")
     ] = 30.0,
@@ -37,16 +50,30 @@ def view(
     """Show the dashboard of a running run (by default the latest one started in this folder)."""
     client = Client(OBSERVER, certificates, run, timeout)
     endpoints = run_directory.endpoints(client, connect, config, cfg)
+    if foxglove:
+        if picture is not None:
+            raise FesError("--picture is a frame of the terminal, which --foxglove does not draw")
+        number = server.PORT if port is None else port
+        process.leave("fes", lambda: server.serve(opened(endpoints, run), run, timeout, number))
+    if port is not None:
+        raise FesError("--port is that of --foxglove")
     screen = printing.console()
 
     async def show() -> int:
-        async with bus.opened(endpoints) as session:
-            await refuse_real_robots(session, run)
+        async with opened(endpoints, run) as session:
             with live.Screen(screen) as frames, live.saved(frames, picture, "fes view"):
                 await live.watch(session, run, timeout, frames)
         return process.SUCCESS
 
     process.leave("fes", show)
+
+
+@contextlib.asynccontextmanager
+async def opened(endpoints: Endpoints, run: str) -> AsyncIterator[Bus]:
+    """A session with the router of a run of a world; raises Unavailable."""
+    async with bus.opened(endpoints) as session:
+        await refuse_real_robots(session, run)
+        yield session
 
 
 async def refuse_real_robots(session: Bus, run: str) -> None:

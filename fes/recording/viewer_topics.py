@@ -6,16 +6,19 @@ Frames are after ROS REP 103 and 105: `map`, x to the east and z up, and `robot_
 import math
 from collections.abc import Iterator
 from functools import cache
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
 from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from google.protobuf.message import Message
 from google.protobuf.timestamp_pb2 import Timestamp
 
 from fes.arrays.types import Floats, Ints
+from fes.protocol.report import LINK_ARRAYS, Report
+from fes.recording import messages_pb2
 from fes.recording.messages_pb2 import LinkState, RobotState
 
 MAP = "map"
@@ -29,31 +32,62 @@ _LINK_FIELDS = tuple(field.name for field in LinkState.DESCRIPTOR.fields)
 _OUTAGE, _SENT, _DECODED = (_LINK_FIELDS.index(name) for name in ("outage", "sent", "decoded"))
 
 
-class View(NamedTuple):
-    """The arrays that viewers see, of n robots and l links in use."""
+class Motion(NamedTuple):
+    """The arrays of n robots that a Report lacks; a log has them."""
 
-    poses: Floats
-    """True poses [n, 3] [m, m, rad; world frame]."""
     twists: Floats
     """[n, 2] [m/s, rad/s]"""
     counts: Floats
     """Links of each robot [n]."""
     totals: Floats
     """Sum of the estimates of each robot, over its links [n] [m]."""
+
+
+class View(NamedTuple):
+    """The arrays that viewers see, of n robots and l links in use."""
+
+    poses: Floats
+    """True poses [n, 3] [m, m, rad; world frame]."""
     a: Ints
     """Links: the lower id [l]."""
     b: Ints
     """The higher id [l]."""
     states: Floats
     """Fields of a LinkState, in their order [10, l]."""
+    motion: Motion | None = None
+    """None for an observer of a running run, which knows the Report only."""
 
     @classmethod
     def of(cls, poses: bytes, twists: bytes, counts: bytes, totals: bytes, a: bytes, b: bytes, states: bytes) -> Self:
         """The view in the bytes of its arrays: int64 for ids, else float64."""
         lower, higher = np.frombuffer(a, dtype=np.int64), np.frombuffer(b, dtype=np.int64)
-        poses_, twists_ = np.frombuffer(poses).reshape(-1, 3), np.frombuffer(twists).reshape(-1, 2)
+        motion = Motion(np.frombuffer(twists).reshape(-1, 2), np.frombuffer(counts), np.frombuffer(totals))
         states_ = np.frombuffer(states).reshape(len(_LINK_FIELDS), len(lower))
-        return cls(poses_, twists_, np.frombuffer(counts), np.frombuffer(totals), lower, higher, states_)
+        return cls(np.frombuffer(poses).reshape(-1, 3), lower, higher, states_, motion)
+
+    @classmethod
+    def of_report(cls, report: Report) -> Self:
+        """The view of an observer, from the Report alone."""
+        return cls(report.poses, report.a, report.b, np.stack([getattr(report, name) for name in LINK_ARRAYS]))
+
+
+def messages(
+    tick: int, payload: bytes, numbers: dict[str, Any], view: View | None, time: Timestamp
+) -> Iterator[tuple[str, Message]]:
+    """Topics and messages about a Report, in the order of a log; without a view only the Report itself.
+
+    `payload` is the Report as it was sent, `numbers` are those of `fes.recording.writer.frames.numbers`.
+    """
+    yield "/report", messages_pb2.Report(tick=tick, payload=payload, **numbers)
+    if view is None:
+        return
+    yield "/tf", transforms(view, time)
+    yield "/scene/links", links(view, time)
+    if view.motion is not None:
+        for robot, state in enumerate(robots(view.poses, view.motion)):
+            yield f"/robot/{robot}/state", state
+    for a, b, link in pairs(view):
+        yield f"/link/{a}-{b}/state", link
 
 
 def timestamp(nanoseconds: int) -> Timestamp:
@@ -130,11 +164,11 @@ def remark(time: Timestamp, level: "Log.Level.ValueType", text: str, name: str =
     return Log(timestamp=time, level=level, message=text, name=name)
 
 
-def robots(view: View) -> Iterator[RobotState]:
-    """The state of each robot, in id order."""
-    counts = view.counts
-    means = np.divide(view.totals, counts, out=np.full(len(counts), math.nan), where=counts > 0)
-    for row in np.column_stack([view.poses, view.twists, means, counts]).tolist():
+def robots(poses: Floats, motion: Motion) -> Iterator[RobotState]:
+    """The state of each robot, in id order; `poses` [n, 3] [m, m, rad; world frame]."""
+    counts = motion.counts
+    means = np.divide(motion.totals, counts, out=np.full(len(counts), math.nan), where=counts > 0)
+    for row in np.column_stack([poses, motion.twists, means, counts]).tolist():
         yield RobotState(**dict(zip(_ROBOT_FIELDS, row, strict=True)))
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from console.analysis import figures
 from console.doctor import machine, network
+from console.foxglove import server
 from console.sweep import cluster, table
 from console.sweep.table import Format
 from fes.errors import FesError
@@ -67,7 +68,7 @@ def test_the_search_accepts_installation_from_a_clone_and_from_a_wheel(text: str
 def test_an_error_about_a_missing_extra_contains_the_command_that_installs_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    for module in ("matplotlib", "pyarrow", "distributed", "cryptography"):
+    for module in ("matplotlib", "pyarrow", "distributed", "cryptography", "foxglove"):
         monkeypatch.setitem(sys.modules, module, None)
     messages: dict[str, str] = {"security": str(identity.missing_extra())}
     with pytest.raises(FesError) as plot:
@@ -76,6 +77,9 @@ def test_an_error_about_a_missing_extra_contains_the_command_that_installs_it(
         table.require(Format.PARQUET)
     with pytest.raises(FesError) as cluster_, cluster.connected("tcp://127.0.0.1:1"):
         pass
+    with pytest.raises(FesError) as foxglove, server.opened(0):
+        pass
+    messages["foxglove"] = str(foxglove.value)
     messages |= {"plot": str(plot.value), "parquet": str(parquet.value), "cluster": str(cluster_.value)}
     for extra, message in messages.items():
         assert distribution.install(extra) in message

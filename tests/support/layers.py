@@ -19,6 +19,7 @@ LAYERS = (
     {"field.__main__"},
     {"console.keys"},
     {"console.connect"},
+    {"console.foxglove"},
     {"console.dashboard", "console.doctor"},
     {"console.backends", "console.replay"},
     {"console.analysis", "console.check", "console.team"},

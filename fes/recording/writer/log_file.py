@@ -119,16 +119,9 @@ class LogFile:
         self._payloads(*PackedPayloads(data, ends).unpacked())
 
     def _report(self, payload: bytes, numbers: dict[str, Any], arrays: list[bytes] | None) -> None:
-        self._put("/report", messages_pb2.Report(tick=self._tick, payload=payload, **numbers))
-        if arrays is None:
-            return
-        view, time = View.of(*arrays), viewer_topics.timestamp(self._time)
-        self._put("/tf", viewer_topics.transforms(view, time))
-        self._put("/scene/links", viewer_topics.links(view, time))
-        for robot, state in enumerate(viewer_topics.robots(view)):
-            self._put(f"/robot/{robot}/state", state)
-        for a, b, link in viewer_topics.pairs(view):
-            self._put(f"/link/{a}-{b}/state", link)
+        view, time = None if arrays is None else View.of(*arrays), viewer_topics.timestamp(self._time)
+        for topic, message in viewer_topics.messages(self._tick, payload, numbers, view, time):
+            self._put(topic, message)
 
     def _robot(self, text: bytes, level: "Log.Level.ValueType", remark: str) -> None:
         self._file.put(layout.HEADER, layout.HEADER_SCHEMA, text, self._time, self._tick)
