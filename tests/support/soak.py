@@ -6,8 +6,8 @@ Ten agents and a world, each a process, are killed (SIGKILL) and suspended (SIGS
 world is also stopped (SIGTERM), and suspended for less than the lease of a session. Every process that dies is
 restarted, the world with --resume. Then the faults end, and the run continues to its end.
 
-Pass criteria: every tick is in the log and reexecution has the same digits; every process exits with 0 by itself, and
-none remains; the formation is kept.
+Pass criteria: every tick is in the log and reexecution has the same digits; every process exits with 0, and none
+remains; the formation is kept.
 """
 
 import argparse
@@ -146,8 +146,8 @@ class Trouble:
                 self._later.append((time.monotonic() + self._random.uniform(*DOZE), "continue", robot))
                 self.counts["worlds suspended"] += 1
                 return
-            code = self._team.world.wait(PATIENCE)
-            self._expect(code in (0, -how), f"the world ended with {code}")  # -how: a process that has just started
+            code = self._team.world.wait(PATIENCE)  # -how: of a process that has just started
+            self._expect(code in (0, -how), f"the world ended with {code}")
             self._later.append((soon, "resume", robot))
             self.counts["worlds killed" if how is signal.SIGKILL else "worlds told to stop"] += 1
         elif self._random.random() < 0.5:
@@ -213,9 +213,8 @@ def soak(out: Path, minutes: float, seed: int) -> dict[str, Any]:
     """Numbers of the soak if every criterion holds; raises AssertionError."""
     begun = time.monotonic()
     team = Team(out, minutes)
-    trouble = Trouble(team, seed)
     try:
-        trouble.rage(60.0 * minutes)
+        (trouble := Trouble(team, seed)).rage(60.0 * minutes)
         team.world.send_signal(signal.SIGTERM)  # the rest at full speed
         assert team.world.wait(PATIENCE) in (0, -signal.SIGTERM)
         team.resume("max")
@@ -248,7 +247,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.support.soak", description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=10.0, help="how long there are faults (default: 10)")
     parser.add_argument("--seed", type=int, default=int.from_bytes(os.urandom(4)), help="of the faults")
-    parser.add_argument("--out", type=Path, help="a new directory, kept (default: a temporary one)")
+    parser.add_argument("--out", type=Path, help="a new directory (default: a temporary one)")
     flags = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         out = flags.out or Path(folder) / "run"
