@@ -3,9 +3,10 @@
 Matplotlib, which brings Pillow, comes with the extra `plot`; ffmpeg is a program of its own.
 """
 
+import logging
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -64,7 +65,7 @@ def write(run: History, path: Path, watch: Watch | None = None) -> None:
             if watch is not None:
                 watch(number)
 
-    with _whole(path):
+    with _removed_on_failure(path):
         (_write_gif if path.suffix.lower() == GIF else _write_mp4)(pictures(), shown.rate, path)
 
 
@@ -90,6 +91,7 @@ def _write_mp4(pictures: Iterator[Bytes], rate: float, path: Path) -> None:
     # The last frame stays, and a player can begin before it has the whole file.
     options = ["-vf", f"tpad=stop_mode=clone:stop_duration={HOLD:g}", "-movflags", "+faststart"]
     writer = FFMpegWriter(fps=rate, codec="h264", extra_args=options)  # type: ignore[arg-type]
+    logging.getLogger("matplotlib.animation").setLevel(logging.ERROR)  # its warning would repeat that of ffmpeg
     try:
         with writer.saving(canvas, path, DPI):
             for picture in pictures:
@@ -121,14 +123,14 @@ def _few_colors(picture: Bytes) -> "Image":
 
 
 @contextmanager
-def _whole(path: Path) -> Iterator[None]:
+def _removed_on_failure(path: Path) -> Iterator[None]:
     """A block that writes a file: if it ends early, no part of the file remains."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         yield
-    except OSError as error:
-        path.unlink(missing_ok=True)
-        raise FesError(f"cannot write {path}: {reason(error)}") from None
-    except BaseException:
-        path.unlink(missing_ok=True)
+    except BaseException as error:
+        with suppress(OSError):
+            path.unlink()
+        if isinstance(error, OSError):
+            raise FesError(f"cannot write {path}: {reason(error)}") from None
         raise

@@ -106,7 +106,7 @@ def _animate(target: str, path: Path, out: Path | None) -> int:
     if target in (PAPER, MEASURED, TEAM) and not Path(target).exists():
         raise FesError(f"--animate draws a run directory or a log, got '{target}'")
     if out is not None:
-        raise FesError(f"--animate names its own file: leave out --out {out}")
+        raise FesError(f"--animate names its own file: omit --out {out}")
     animation.check(path)
     with progress.bar("animation") as bar:
         bar.note("executing the run again")

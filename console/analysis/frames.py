@@ -105,11 +105,11 @@ def frame(run: History, tick: int) -> Frame:
 def conditions(run: History, tick: int) -> Ints:
     """The condition of each robot at a tick [n]."""
     links, present = run.links[tick], run.present[tick]
-    found = np.full(len(present), ALONE)
-    found[links.rows[links.undirected]] = found[links.peers[links.undirected]] = TAKES_PART
-    found[history.cutting_at(run, tick)] = CUTTING
-    found[~present] = ABSENT
-    return found
+    result = np.full(len(present), ALONE)
+    result[links.rows[links.undirected]] = result[links.peers[links.undirected]] = TAKES_PART
+    result[history.cutting_at(run, tick)] = CUTTING
+    result[~present] = ABSENT
+    return result
 
 
 def trails(run: History, tick: int) -> Floats:

@@ -45,7 +45,7 @@ def _of_robots(present: list[Bools]) -> Iterable[Event]:
         if after is not before:
             for robots, verb in ((before & ~after, "leave"), (after & ~before, "join")):
                 if robots.any():
-                    yield Event(tick, _named(np.flatnonzero(robots), verb))
+                    yield Event(tick, _text(np.flatnonzero(robots), verb))
 
 
 def _scheduled(scenario: Scenario, ticks: int) -> Iterable[Event]:
@@ -59,10 +59,10 @@ def _scheduled(scenario: Scenario, ticks: int) -> Iterable[Event]:
                 yield Event(tick, "world dies")
 
 
-def _named(robots: Ints, verb: str) -> str:
+def _text(robots: Ints, verb: str) -> str:
     """The robots that leave or join, in words.
 
-    >>> _named(np.array([4]), "leave"), _named(np.array([2, 5]), "join"), _named(np.arange(7), "leave")
+    >>> _text(np.array([4]), "leave"), _text(np.array([2, 5]), "join"), _text(np.arange(7), "leave")
     ('robot 4 leaves', 'robots 2, 5 join', '7 robots leave')
     """
     if len(robots) == 1:
