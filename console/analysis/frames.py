@@ -150,8 +150,8 @@ def error_range(*series: Floats) -> tuple[float, float]:
 
 
 def mode(run: History) -> str:
-    """The source of the index, such as `measured`, or the extension in its place."""
+    """The source of the index, such as `index: measured`, or the extension in its place."""
     seeking, controller = run.scenario.seeking, run.scenario.robots.controller
     if controller is not None:
-        return chosen(controller).use
-    return chosen(seeking).use if isinstance(seeking, Use) else seeking.index
+        return f"controller: {chosen(controller).use}"
+    return f"law: {chosen(seeking).use}" if isinstance(seeking, Use) else f"index: {seeking.index}"

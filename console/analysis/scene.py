@@ -64,7 +64,7 @@ class Scene:
             left, bottom = MAP[0], 0.945
             self.figure.text(left, bottom, plain(run.name or "run"), weight="bold", fontsize=12)
             self._time = self.figure.text(MAP[0] + MAP[2], bottom, "", fontsize=11, ha="right")
-            self.figure.text(ERRORS[0] + ERRORS[2], bottom, f"index: {plain(frames.mode(run))}", ha="right")
+            self.figure.text(ERRORS[0] + ERRORS[2], bottom, plain(frames.mode(run)), ha="right")
             self._draw_map()
             self._draw_errors()
             self._draw_legend({int(each) for frame in shown for each in frame.conditions})

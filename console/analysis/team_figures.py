@@ -25,7 +25,7 @@ def team_figure(run: History) -> "Figure":
         axes[0].set(xlabel="time [s]", ylabel="team index", xlim=(0.0, run.time[-1]), ylim=(0.0, None))
         axes[0].grid(alpha=0.3)
         mark_events(axes[0], run)
-        axes[0].legend(frameon=False, loc="lower right")
+        axes[0].legend(framealpha=1.0, edgecolor="none", loc="lower right")
         _end(axes[1], run, _frame([run]))
         axes[1].set_title(f"t = {run.time[-1]:.2f} s, {_cut(run)}")
     return figure

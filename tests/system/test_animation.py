@@ -5,6 +5,7 @@ import os
 import subprocess
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,6 +45,7 @@ def test_a_gif_has_a_frame_for_each_tenth_of_a_second_and_no_two_in_a_row_are_al
     done = animate(folder, "new/run.gif")
     assert (done.returncode, done.stdout, done.stderr) == (0, "new/run.gif\n", "")
     assert (folder / "new" / "run.gif").stat().st_size < LIMIT / 2
+    shown: Any
     with Image.open(folder / "new" / "run.gif") as shown:
         assert shown.n_frames == 40  # 3 s of run in 4 s
         assert shown.size[0] == 800
@@ -116,7 +118,7 @@ def test_a_broken_ffmpeg_leaves_one_line_and_no_file(folder: Path, tmp_path: Pat
         (["paper", "--animate", "a.gif"], "--animate draws a run directory or a log, got 'paper'"),
         (["run.mcap", "--animate", "a.gif", "--out", "b"], "--animate names its own file: omit --out b"),
         (["nowhere", "--animate", "a.gif"], "nowhere is not a run directory: it lacks scenario.toml or summary.json"),
-        (["run.mcap", "--animate", "run.mcap/a.gif"], "cannot write run.mcap/a.gif: Not a directory"),
+        (["run.mcap", "--animate", "run.mcap/a.gif"], "cannot write run.mcap/a.gif: File exists"),
     ],
     ids=["suffix", "figures", "out", "no log", "folder"],
 )

@@ -117,10 +117,10 @@ def test_the_axis_of_errors_spans_whole_decades() -> None:
 
 
 def test_the_mode_is_the_index_or_the_extension_in_its_place(death: History) -> None:
-    assert frames.mode(death) == "oracle"
+    assert frames.mode(death) == "index: oracle"
     for changes, mode in (
-        ({"seeking": load("measured.toml").seeking}, "measured"),
-        ({"seeking": load("swap.toml").seeking}, "fixed_separation"),
+        ({"seeking": load("measured.toml").seeking}, "index: measured"),
+        ({"seeking": load("swap.toml").seeking}, "law: fixed_separation"),
     ):
         assert frames.mode(replace(death, scenario=death.scenario.model_copy(update=changes))) == mode
 
