@@ -106,12 +106,13 @@ def test_the_errors_are_against_r_star_or_against_the_link_length_of_a_configura
 
 def test_events_are_marked_and_named_unless_they_are_many() -> None:
     for number, named in ((1, 1), (figures.MOST_TEXTS + 1, 0)):
-        changes = [{"at": 0.1 * (k + 1), "set": {"channel.reference_snr": 1e6 * (k + 1)}} for k in range(number)]
+        times = [0.1 * (k + 1) for k in range(number)]
+        changes = [{"at": time, "set": {"channel.reference_snr": 1e7 * (1.0 + time)}} for time in times]
         run = history.follow(load("pair.toml", run__duration=2.0, event=changes))
         for panel in figures.convergence_figure(run).axes:
             spans = [np.unique(np.asarray(line.get_xdata(), dtype=float)).tolist() for line in panel.lines]
             marks = [span for span in spans if len(span) == 1]
-            np.testing.assert_allclose(marks, [[each["at"]] for each in changes])
+            np.testing.assert_allclose(marks, [[time] for time in times])
             assert len(panel.texts) == named
             assert all(text.get_text() == "channel: reference_snr" for text in panel.texts)
 
