@@ -7,7 +7,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from console.analysis import claims, convergence_study, figures, history, step_study, team_figures
+from console.analysis import animation, claims, convergence_study, figures, history, step_study, team_figures
 from console.analysis.history import History
 from console.backends import processes
 from console.connect.options import Use
@@ -40,9 +40,14 @@ def plot(
     out: Annotated[
         Path | None, typer.Option(help="Output directory (default: figures/, or the run directory).")
     ] = None,
+    animate: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw a run as an animation instead, in a .gif or .mp4 file.")
+    ] = None,
     use: Use = None,
 ) -> int:
     """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, beacon counts, final configurations, or a run."""
+    if animate is not None:
+        return _animate(target, animate, out)
     with progress.bar("figures") as bar:
         if target == PAPER:
             directory, drawn = out or Path("figures"), _paper_figures(bar)
@@ -96,6 +101,23 @@ def show_claims(
     return process.SUCCESS
 
 
+def _animate(target: str, path: Path, out: Path | None) -> int:
+    """Draw a run as an animation in the file `path`."""
+    if target in (PAPER, MEASURED, TEAM) and not Path(target).exists():
+        raise FesError(f"--animate draws a run directory or a log, got '{target}'")
+    if out is not None:
+        raise FesError(f"--animate names its own file: omit --out {out}")
+    animation.check(path)
+    with progress.bar("animation") as bar:
+        bar.note("executing the run again")
+        seen = _history(Path(target))
+        bar.measure(len(animation.playback(seen, path).ticks))
+        bar.note("frames")
+        animation.write(seen, path, bar.reach)
+    printing.line(path)
+    return process.SUCCESS
+
+
 def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
     bar.note("the paper's run")
     seen = history.follow(load(builtin.file_of("paper")))
@@ -121,11 +143,16 @@ def _ends(bar: progress.Bar) -> dict[str, History]:
 
 
 def _run_figures(target: Path) -> "dict[str, Figure]":
-    """The figures of a run, from its log, or from its directory if there is no log."""
-    path = reader.find(target) if target.exists() else None
-    seen = _executed_again(target) if path is None else _recorded(logs.load(path))
+    """The figures of a run."""
+    seen = _history(target)
     team = {"team": team_figures.team_figure(seen)} if seen.team.size else {}
     return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen), **team}
+
+
+def _history(target: Path) -> History:
+    """The history of a run from its log, or from its directory if there is no log."""
+    path = reader.find(target) if target.exists() else None
+    return _executed_again(target) if path is None else _recorded(logs.load(path))
 
 
 def _recorded(log: Log) -> History:
@@ -148,7 +175,8 @@ def _executed_again(directory: Path) -> History:
     if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
         raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
-    run_history = history.follow(loaded.model_copy(update={"run": run}))
+    name = summary.get("scenario")
+    run_history = history.follow(loaded.model_copy(update={"run": run}), name if isinstance(name, str) else "")
     if run_history.digest != summary["digest"]:
         current = f"this is {recorded.own_origin()}"
         try:

@@ -24,6 +24,7 @@ from world.metrics.optimum import optimal_separation
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Annotation
 
 # Okabe and Ito's palette; every line differs in its dashes too.
 INK, BLUE, ORANGE, GREEN = "#000000", "#0072B2", "#D55E00", "#009E73"
@@ -37,6 +38,12 @@ MARGIN = 25.0
 
 THIN = 10
 """One tick in this many is drawn in a figure of many lines."""
+
+MOST_TEXTS = 6
+"""Largest number of events whose texts are shown."""
+
+LATE = 0.85
+"""Share of the run after which the text of an event stands left of its mark."""
 
 FLOOR = 1e-6
 """Smallest value of a logarithmic axis [m]."""
@@ -106,12 +113,12 @@ def formation_figure(run: History) -> "Figure":
 
 
 def convergence_figure(run: History) -> "Figure":
-    """The paper's Fig. 6 (a) and (b), and (c), the largest separation error."""
+    """The paper's Fig. 6 (a) and (b), and (c), the largest separation error; of a configuration, against r_beta."""
     averaged = "\naveraged over a dither period" if run.averaged else ""
     series = (
-        (r"(a) $\sum|\hat r_{ij}-\hat r_{ji}|$ [m]", run.disagreement),
-        (r"(b) $\sum|\hat r_{ij}-r^*|$ [m]", run.estimate_error),
-        (rf"(c) max $|r_{{ij}}-r^*|$ [m]{averaged}", run.separation_error),
+        (r"(a) disagreement $\sum|\hat r_{ij}-\hat r_{ji}|$ [m]", run.disagreement),
+        (rf"(b) estimate errors $\sum|\hat r_{{ij}}-{run.optimum}|$ [m]", run.estimate_error),
+        (rf"(c) largest separation error $|r_{{ij}}-{run.optimum}|$ [m]{averaged}", run.separation_error),
     )
     with sheet(10.8, 3.2, columns=3) as (figure, axes):
         for panel, (title, values) in zip(axes, series, strict=True):
@@ -119,7 +126,29 @@ def convergence_figure(run: History) -> "Figure":
             panel.axhline(1.0, color=INK, linewidth=0.8, linestyle=":")
             panel.set(title=title, xlabel="time [s]", xlim=(0.0, run.time[-1]))
             panel.grid(alpha=0.3)
+            mark_events(panel, run)
     return figure
+
+
+def mark_events(axes: "Axes", run: History) -> "list[Annotation]":
+    """Mark the events of a run on an axis of time; returns their texts, which are shown if they are few."""
+    from matplotlib.patheffects import withStroke
+
+    times = [run.scenario.run.dt * event.tick for event in run.events]
+    for time in times:
+        axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
+    style: Any = {
+        "textcoords": "offset points", "rotation": 90, "fontsize": 7, "va": "top",
+        "path_effects": [withStroke(linewidth=2.0, foreground="white")],
+    }  # fmt: skip
+    place = axes.get_xaxis_transform()
+    texts = []
+    for time, event in zip(times, run.events, strict=True) if len(times) <= MOST_TEXTS else ():
+        is_late = time > LATE * run.time[-1]
+        shift = (-2, -2) if is_late else (2, -2)
+        side = "right" if is_late else "left"
+        texts.append(axes.annotate(plain(event.text), (time, 1.0), shift, place, ha=side, **style))
+    return texts
 
 
 def step_figure(sub_steps: dict[str, list[tuple[float, float]]], ticks: list[tuple[float, float]]) -> "Figure":

@@ -6,6 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
+from console.analysis import run_events
+from console.analysis.run_events import Event
 from console.backends import inprocess
 from console.replay import reexecution
 from console.replay.log import Log
@@ -13,9 +15,8 @@ from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import Telemetry
 from world.config.scenario import Scenario
-from world.metrics import link_errors
+from world.metrics import graphs, link_errors, report_builder
 from world.metrics.collector import MetricsCollector, dither_period
-from world.metrics.team.progress import cutting_robots
 from world.simulation.truth import State
 
 
@@ -23,16 +24,25 @@ from world.simulation.truth import State
 class History:
     """Time series of a run; sums are over the links in use at each tick."""
 
+    name: str
+    """Name of the scenario."""
+    scenario: Scenario
     time: Floats
     """[t] [s]"""
     poses: Floats
     """[t, n, 3] [m, m, rad; world frame]"""
     links: list[Edges]
     """Links in use at each tick, in both directions [t]."""
+    outage: list[Floats]
+    """True outage of each link in use at each tick, both directions averaged [t][u] [1]; NaN if unknown."""
+    present: Bools
+    """True for each robot that takes part at each tick [t, n]."""
     disagreement: Floats
     """Sum of |r_ij - r_ji| over links [t] [m]; NaN before the first link."""
     estimate_error: Floats
     """Sum of |r_ij - r*| over both ends of all links [t] [m]."""
+    estimate_error_max: Floats
+    """Largest |r_ij - r*| over both ends of all links [t] [m]; NaN without a link."""
     separation_error: Floats
     """Largest |separation - r*| [t] [m]; averaged over a dither period once it is complete, as in the summary."""
     optimal: float
@@ -43,10 +53,18 @@ class History:
     team: Floats
     """Team index and its target at each tick [2, t] [1], computed every 0.1 s and held in between; [2, 0] for a run
     without them."""
-    cutting: Ints
-    """Robots whose loss would cut the links at the last tick [k]; empty without a team index."""
-    present: Bools
-    """True for each robot that takes part at the last tick [n]."""
+    events: list[Event]
+    """Changes of the channel and of the robots during the run, in order."""
+
+    @property
+    def cutting(self) -> Ints:
+        """Robots whose loss would cut the links at the last tick [k]; empty without a team index."""
+        return cutting_at(self, len(self.time) - 1)
+
+    @property
+    def optimum(self) -> str:
+        """Symbol of the separation that the team seeks, as a formula: r_beta of a configuration, else r*."""
+        return r"r_\beta" if self.scenario.formation.configuration != "none" else "r^*"
 
 
 class Moment(Protocol):
@@ -65,7 +83,7 @@ class Moment(Protocol):
         """Telemetry of the robots."""
 
 
-def follow(scenario: Scenario) -> History:
+def follow(scenario: Scenario, name: str = "") -> History:
     """Run a scenario in process, and return its history."""
     metrics = MetricsCollector(scenario)
 
@@ -74,43 +92,52 @@ def follow(scenario: Scenario) -> History:
             metrics.add(tick.state, tick.twists, tick.telemetry)
             yield tick, metrics
 
-    return gather(scenario, accounted())
+    return gather(scenario, name, accounted())
 
 
 def recorded(log: Log) -> History:
     """The history of a recorded run; Reports and summary are compared where `viewed` does, the digest included."""
-    return gather(log.scenario, reexecution.viewed(log))
+    return gather(log.scenario, log.name, reexecution.viewed(log))
 
 
-def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
+def gather(scenario: Scenario, name: str, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
     """The history of at least one tick, each with the metrics up to it."""
     last = MetricsCollector(scenario)
-    poses, links, rows, team = [], [], [], []
+    poses, links, losses, present, rows, team = [], [], [], [], [], []
+    channels = []
     for tick, metrics in moments:
         last = metrics
         telemetry = tick.telemetry
         poses.append(tick.state.poses)
         links.append(telemetry.links)
+        losses.append(report_builder.link_outage(metrics))
+        present.append(tick.state.present)
+        channels.append(tick.state.channel)
         total = float(np.abs(telemetry.estimates - metrics.optimal).sum()) if len(telemetry.links) else np.nan
         largest = float(np.abs(metrics.separation - metrics.optimal).max()) if len(links[-1]) else np.nan
-        rows.append((metrics.link_errors.errors["disagreement"], total, largest))
+        errors = metrics.link_errors.errors
+        rows.append((errors["disagreement"], total, errors["estimate_error"], largest))
         if metrics.team is not None:
             team.append((metrics.team.latest.team_index, metrics.team.latest.target))
     series = np.array(rows).T
     time = scenario.run.dt * np.arange(len(poses), dtype=np.float64)
     return History(
+        name,
+        scenario,
         time,
         np.array(poses),
         links,
+        losses,
+        np.array(present),
         series[0],
         series[1],
         series[2],
+        series[3],
         last.optimal,
         last.link_errors.digest.text(),
         dither_period(scenario) > 1,
         np.array(team).reshape(-1, 2).T,
-        cutting_robots(last.state, last.telemetry) if team else np.zeros(0, dtype=np.int64),
-        last.state.present,
+        run_events.events(scenario, channels, present),
     )
 
 
@@ -119,3 +146,13 @@ def ends_at(history: History, tick: int) -> Floats:
     a, b = link_errors.ends(history.links[tick])
     positions = history.poses[tick, :, :2]
     return np.stack([positions[a], positions[b]], axis=1)
+
+
+def cutting_at(history: History, tick: int) -> Ints:
+    """Robots present whose loss would cut the links in use at a tick [k]; empty without a team index."""
+    if not history.team.size:
+        return np.zeros(0, dtype=np.int64)
+    a, b = link_errors.ends(history.links[tick])
+    present = history.present[tick]
+    both = present[a] & present[b]
+    return graphs.cut_rows(len(present), a[both], b[both])

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from console.analysis import history
-from console.analysis.figures import BLUE, GREEN, INK, MARGIN, ORANGE, plain, sheet
+from console.analysis.figures import BLUE, GREEN, INK, MARGIN, ORANGE, mark_events, plain, sheet
 from console.analysis.history import History
 from fes.arrays.types import Floats
 
@@ -24,7 +24,8 @@ def team_figure(run: History) -> "Figure":
         axes[0].plot(run.time, target, "--", color=ORANGE, linewidth=1.4, label="target")
         axes[0].set(xlabel="time [s]", ylabel="team index", xlim=(0.0, run.time[-1]), ylim=(0.0, None))
         axes[0].grid(alpha=0.3)
-        axes[0].legend(frameon=False, loc="lower right")
+        mark_events(axes[0], run)
+        axes[0].legend(framealpha=1.0, edgecolor="none", loc="lower right")
         _end(axes[1], run, _frame([run]))
         axes[1].set_title(f"t = {run.time[-1]:.2f} s, {_cut(run)}")
     return figure
@@ -53,8 +54,8 @@ def _end(axes: "Axes", run: History, frame: tuple[Floats, Floats]) -> None:
         axes.plot(link[:, 0], link[:, 1], "-", color=BLUE, linewidth=1.2)
     places = run.poses[-1, :, :2]
     is_cutting = np.isin(np.arange(len(places)), run.cutting)
-    axes.plot(*places[run.present & ~is_cutting].T, "o", color=GREEN, markersize=5, zorder=4)
-    axes.plot(*places[~run.present].T, "x", color=GRAY, markersize=5, zorder=3)
+    axes.plot(*places[run.present[-1] & ~is_cutting].T, "o", color=GREEN, markersize=5, zorder=4)
+    axes.plot(*places[~run.present[-1]].T, "x", color=GRAY, markersize=5, zorder=3)
     axes.plot(*places[is_cutting].T, "s", color=ORANGE, markersize=7, markeredgecolor=INK, zorder=4)
     if len(places) <= 30:
         for robot, (x, y) in enumerate(places):

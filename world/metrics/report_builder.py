@@ -106,6 +106,13 @@ def build(metrics: MetricsCollector, name: str, alive: Bytes, elapsed: float, ti
     )
 
 
+def link_outage(metrics: MetricsCollector) -> Floats:
+    """True outage of each of `telemetry.links.undirected` at the last tick [u], as in the report; NaN if unknown."""
+    scenario, state, links = metrics.scenario, metrics.state, metrics.telemetry.links
+    _, _, _, _, forward, backward = _places(links, state.radio.edges)
+    return _outage(scenario, state, link_errors.link_separations(links, state.poses), forward, backward)
+
+
 def _places(links: Edges, contacts: Edges) -> _Places:
     """The places of links and of their contacts."""
     known = _known_places.get(links)

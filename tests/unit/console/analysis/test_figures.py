@@ -96,6 +96,27 @@ def test_a_run_shorter_than_a_dither_period_is_drawn_with_a_note_in_the_title(se
     assert [title.endswith("averaged over a dither period") for title in titles] == [True, False]
 
 
+def test_the_errors_are_against_r_star_or_against_the_link_length_of_a_configuration(
+    teams: dict[str, History],
+) -> None:
+    for name, symbol in (("links", "r^*"), ("shape", r"r_\beta")):
+        titles = [panel.get_title() for panel in figures.convergence_figure(teams[name]).axes]
+        assert [f"-{symbol}|" in title for title in titles] == [False, True, True]
+
+
+def test_events_are_marked_and_named_unless_they_are_many() -> None:
+    for number, named in ((1, 1), (figures.MOST_TEXTS + 1, 0)):
+        times = [0.1 * (k + 1) for k in range(number)]
+        changes = [{"at": time, "set": {"channel.reference_snr": 1e7 * (1.0 + time)}} for time in times]
+        run = history.follow(load("pair.toml", run__duration=2.0, event=changes))
+        for panel in figures.convergence_figure(run).axes:
+            spans = [np.unique(np.asarray(line.get_xdata(), dtype=float)).tolist() for line in panel.lines]
+            marks = [span for span in spans if len(span) == 1]
+            np.testing.assert_allclose(marks, [[time] for time in times])
+            assert len(panel.texts) == named
+            assert all(text.get_text() == "channel: reference_snr" for text in panel.texts)
+
+
 @pytest.mark.slow
 def test_the_closed_loop_depends_on_the_tick_to_first_order() -> None:
     closed = load("neighborhood.toml")
@@ -132,7 +153,8 @@ def test_a_run_with_a_team_index_has_a_figure_of_it(tmp_path: Path, teams: dict[
     marks = [line for line in figure.axes[1].lines if line.get_marker() == "s"]
     assert np.size(marks[0].get_xdata()) == number > 1
     assert not [line for line in figure.axes[1].lines if line.get_marker() == "x" and np.size(line.get_xdata())]
-    without = replace(teams["links"], present=np.arange(10) != 6)
+    ticks = len(teams["links"].time)
+    without = replace(teams["links"], present=np.tile(np.arange(10) != 6, (ticks, 1)))
     marks = [line for line in team_figures.team_figure(without).axes[1].lines if line.get_marker() == "x"]
     assert np.array_equal(marks[0].get_xydata(), without.poses[-1, 6:7, :2])
     two = load("pair.toml", run__duration=1.0, objective__team_index=True)
