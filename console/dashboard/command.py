@@ -8,7 +8,7 @@ import typer
 from console.connect import run_directory
 from console.connect.options import Cfg, Config, Connect, ObserverKeys, Run
 from console.connect.run_directory import Client
-from console.dashboard import live
+from console.dashboard import live, source
 from console.terminal import printing
 from fes import command_line, process
 from fes.errors import Unavailable
@@ -42,7 +42,10 @@ def view(
     async def show() -> int:
         async with bus.opened(endpoints) as session:
             await refuse_real_robots(session, run)
-            with live.Screen(screen) as frames, live.saved(frames, picture, "fes view"):
+            with (
+                live.Screen(screen, source=source.of_running(run, endpoints)) as frames,
+                live.saved(frames, picture, "fes view"),
+            ):
                 await live.watch(session, run, timeout, frames)
         return process.SUCCESS
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
-from console.dashboard import panels
-from console.dashboard.frame import CAPACITY, ReportHistory
+from console.dashboard.history import CAPACITY, ReportHistory
+from console.dashboard.panels import convergence as panels
 from fes.protocol.report import Report
 from tests.support import frames
 from tests.support.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame, measured

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
-from console.dashboard import belief, links_panel
+from console.dashboard import belief
+from console.dashboard.panels import links_panel
 from fes.protocol.report import Report
 from tests.support.frames import SIZES, TINY, a_history, a_report, frame, measured
 
