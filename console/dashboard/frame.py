@@ -60,7 +60,8 @@ def _wide(history: ReportHistory, report: Report, width: int, height: int) -> li
     right = [*plan.beside, 0][:2]
     links, connected, team = (make(report, plan.left) for make in (_links, _connectivity, _team))
     below, room = list[Panel](), height - plan.map_height
-    for panel in (team, connected, links):
+    tables = [links] if plan.left >= links_panel.needed_width(report) else []
+    for panel in (team, connected, *tables):
         if panel is not None and panel.heights[1] <= room:
             below.append(panel)
             room -= panel.heights[1]

@@ -74,13 +74,13 @@ def tracking(report: Report, width: int) -> Line:
     if math.isfinite(report.tracking_time):
         took = f"{report.tracking_time:,.1f} s"
         state = "reached"
-        words = [f"reached, within 1 m, in {took}", f"reached in {took}"]
+        words = [f"1 m reached in {took}", f"reached in {took}"]
     elif abs(error) < 1.0:
         state = "not held yet"
-        words = [f"within 1 m, not held yet after {passed} s", f"not held yet, {passed} s"]
+        words = [f"1 m not held yet after {passed} s", f"not held yet, {passed} s"]
     else:
         state = "not reached"
-        words = [f"not reached, within 1 m, after {passed} s", f"not reached, {passed} s"]
+        words = [f"1 m not reached after {passed} s", f"not reached, {passed} s"]
     room = width - label.cell_length
     shown = f"{number(error, '+,.2f')} m"
     choices = [

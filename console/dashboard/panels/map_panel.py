@@ -126,7 +126,8 @@ def team_map(report: Report, width: int, height: int, paths: Floats | None = Non
     _links(canvas, report, dots, shown)
     _robots(canvas, report, dots, np.flatnonzero(shown))
     if paths is not None and paths.shape[1:] == positions.shape and not _is_crowded(canvas, len(positions)):
-        _paths(canvas, seen.dots(np.concatenate([paths, positions[None]])))
+        places = np.concatenate([paths, positions[None]])
+        _paths(canvas, seen.dots(np.where(np.abs(places) < _MOST, places, np.nan)))
     return [*canvas.render(), _scale_bar(seen.scale * DOTS_X, width)]
 
 

@@ -39,7 +39,10 @@ def test_each_metric_has_a_row_and_a_number_that_it_lacks_is_marked(result: dict
 
 def test_a_metric_with_many_numbers_leaves_most_of_them_to_the_file(result: dict[str, Any]) -> None:
     many = {f"n{number}": float(number) for number in range(100)}
-    text = " ".join(" ".join(printed(result | {"metrics": {"many": many}})).split())
+    [line] = [line for line in printed(result | {"metrics": {"many": many}}) if line.startswith("metrics")]
+    assert len(line.rstrip()) <= 80
+    assert int(line.split()[-2]) + line.count(" n") == 100  # "and 91 more"
+    text = " ".join(" ".join(printed(result | {"metrics": {"many": many}}, verbose=True)).split())
     assert "n11 11, and 88 more in summary.json" in text
     assert "n12 12" not in text
 
