@@ -21,7 +21,7 @@ UNLIMITED = 10_000
 _SIDE = (49, 68)  # maximum width of the panels beside the map: by default, and if there is room
 _SHARE = 0.43  # of the frame, for these panels
 _NARROW_SIDE, _LEFT = 44, 34  # of a small terminal: for a table of links, and for the panels below the map
-_LEAST_MAP = 24  # cells of a map that is narrower because its team is
+_LEAST_MAP = 16  # cells of a map that is narrower because its team is
 
 
 class Columns(NamedTuple):

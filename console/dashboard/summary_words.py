@@ -4,8 +4,10 @@ from typing import Any
 
 from rich.text import Text
 
-from console.terminal.formatting import UNKNOWN, percent
-from world.metrics.summary import links_lost
+from console.terminal.formatting import UNKNOWN, length, percent
+
+LONGEST = 80
+"""Cells of the headline."""
 
 FIXED = 1e9
 """Numbers from this on are shown with an exponent."""
@@ -59,26 +61,30 @@ def team_index(summary: dict[str, Any]) -> str:
 
 
 def headline(summary: dict[str, Any]) -> Text:
-    """The result in one line."""
-    return Text.assemble((f"{summary['robots']:,} robots, {_result(summary)}", "bold"), *_expectations(summary))
+    """The result at the end of the run, in one line of at most LONGEST cells if its numbers allow it."""
+    verdict = _expectations(summary)
+    results = [f"{summary['robots']:,} robots, {result}" for result in _results(summary)]
+    result = next((text for text in results if len(text) + len(verdict) <= LONGEST), results[-1])
+    return Text.assemble((result, "bold"), verdict)
 
 
-def _result(summary: dict[str, Any]) -> str:
-    links = len(summary["edges"])
-    if summary["links_lost_at"] is not None:
-        return f"no links: {links_lost(summary['links_lost_at'])}"
-    if "team_index" in summary and summary["team_index"] is not None and summary["team_index_target"]:
-        return f"team index at the end {percent(summary['team_index'] / summary['team_index_target'])} of its target"
-    if not links:
-        return "no links"
-    optimal = meters(summary["optimal_separation"], 3)
-    error = meters(summary["separation_error_max"], 4)
-    return f"{links:,} link{'s' if links > 1 else ''} at the end within {error} of r* = {optimal}"
+def _results(summary: dict[str, Any]) -> list[str]:
+    """The result, and shorter forms of it."""
+    value, target = summary.get("team_index"), summary.get("team_index_target")
+    if value is not None and target:
+        return [f"team index {percent(value / target)} of its target"]
+    links, error, optimal = len(summary["edges"]), summary["separation_error_max"], summary["optimal_separation"]
+    counted = f"{links:,} link{'' if links == 1 else 's'}" if links else "no links"
+    if error is None or optimal is None:
+        return [counted]
+    within = f"{counted} within {length(error)} of r*"
+    return [f"{within} = {length(optimal)}", within]
 
 
-def _expectations(summary: dict[str, Any]) -> list[Text]:
+def _expectations(summary: dict[str, Any]) -> Text:
     number = len(summary["expectations"])
     unmet = sum(not expectation["holds"] for expectation in summary["expectations"])
+    plural = "" if number == 1 else "s"
     if unmet:
-        return [Text(f"; {unmet} of {number} expectations not met", style="bold red")]
-    return [Text(f"; {number} expectation{'s' if number > 1 else ''} met", style="green")] if number else []
+        return Text(f"; {unmet} of {number} expectation{plural} not met", style="bold red")
+    return Text(f"; {number} expectation{plural} met" if number else "", style="green")

@@ -136,7 +136,7 @@ def test_after_a_run_the_last_frame_and_the_headline_are_on_the_terminal_togethe
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert lines[0].startswith("pair ")  # of the frame
     end = [line.strip() for line in lines[-7:]]
-    words = ("estimate error", "separation error", "r*", "time", "digest", "run dir", "2 robots, 1 link at the end")
+    words = ("estimate error", "separation error", "r*", "time", "digest", "run dir", "2 robots, 1 link within")
     for line, word in zip(end, words, strict=True):
         assert line.startswith(word)
     assert end[-3] == f"digest  {summary['digest']}"

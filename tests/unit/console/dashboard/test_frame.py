@@ -116,6 +116,21 @@ def test_the_algebraic_connectivity_is_that_of_known_graphs() -> None:
     assert "2 components (2, 1)" in "".join(frame(a_history(a_report(row, [(0, 1)]))))
 
 
+def test_absent_robots_do_not_count_in_the_algebraic_connectivity() -> None:
+    row = [(0.0, 0.0), (50.0, 0.0), (100.0, 0.0), (150.0, 0.0)]
+    alive = np.array([1, 1, 1, 0], dtype=np.uint8)
+    text = "".join(frame(a_history(a_report(row, [(0, 1), (1, 2)], alive=alive))))
+    assert "connected  λ₂ 1 " in text  # a path of three
+    assert "components" not in text
+    cut = "".join(frame(a_history(a_report(row, [(0, 1), (1, 3), (2, 3)], alive=alive))))
+    assert "2 components (2, 1)  λ₂ 0 " in cut  # a link of an absent robot connects nothing
+    for robots in (0, 1):
+        left = np.array([robots, 0, 0, 0], dtype=np.uint8)
+        alone = "".join(frame(a_history(a_report(row, [(0, 1)], alive=left))))
+        assert "λ₂ 0 " not in alone
+        assert "nan" not in alone
+
+
 def test_a_history_stays_small_and_forgets_no_peak() -> None:
     start = a_report([(0.0, 0.0)], disagreement=0.5)
     history = a_history(*(replace(start, tick=k, disagreement=9.0 if k == 777 else 0.5) for k in range(5000)))
