@@ -33,7 +33,7 @@ def header(report: Report, width: int, silence: float = 0.0, modes: str = "", so
     return [_progress(report, width, source), _facts(report, width, silence)]
 
 
-def _named(report: Report, source: str, room: int) -> Line:
+def _title(report: Report, source: str, room: int) -> Line:
     """The name of the scenario, and the source of the index if there is room."""
     name = printable(report.scenario)
     words = "" if not source or "law" in source else "index "
@@ -44,7 +44,7 @@ def _named(report: Report, source: str, room: int) -> Line:
 
 def _time(report: Report, width: int, source: str) -> Line:
     time = f"time {number(report.elapsed, ',.1f')} s"
-    name = _named(report, source, width - len(time) - 5)
+    name = _title(report, source, width - len(time) - 5)
     rule = "─" * max(0, width - _length(name) - len(time) - 2)
     return [*name, styled(f" {rule} ", "dim"), styled(time)]
 
@@ -79,7 +79,7 @@ def _progress(report: Report, width: int, source: str) -> Line:
     ticks, times = f"{report.tick:,} / {report.ticks:,}", f"{done} / {duration} s"
     words = [f"tick {ticks}", f"time {times}"] if width >= 72 else [ticks, times]
     taken = sum(len(word) + _GAP for word in words) + 2
-    line = _named(report, source, width - taken - _LEAST_BAR)
+    line = _title(report, source, width - taken - _LEAST_BAR)
     room = width - _length(line) - taken
     if room >= _LEAST_BAR:
         part = min(1.0, report.tick / report.ticks) if report.ticks > 0 else 0.0

@@ -121,26 +121,26 @@ class _Paths:
 
     def __init__(self) -> None:
         self._stride = 1
-        self._kept: list[tuple[int, Floats]] = []
+        self._samples: list[tuple[int, Floats]] = []
 
     @property
     def places(self) -> Floats:
         """The positions [t, n, 2] [m]."""
-        return np.array([positions for _, positions in self._kept]) if self._kept else np.zeros((0, 0, 2))
+        return np.array([positions for _, positions in self._samples]) if self._samples else np.zeros((0, 0, 2))
 
     def add(self, report: Report) -> None:
         """Add the positions of a Report, unless its step of the run has some."""
-        if len(report.poses) > MOST_PATHS or (self._kept and report.tick // self._stride <= self._last):
+        if len(report.poses) > MOST_PATHS or (self._samples and report.tick // self._stride <= self._last):
             return
-        if self._kept and len(self._kept[0][1]) != len(report.poses):
-            self._kept.clear()
-        self._kept.append((report.tick, report.poses[:, :2].copy()))
-        if len(self._kept) > PLACES:
+        if self._samples and len(self._samples[0][1]) != len(report.poses):
+            self._samples.clear()
+        self._samples.append((report.tick, report.poses[:, :2].copy()))
+        if len(self._samples) > PLACES:
             self._stride *= 2
-            steps = [tick // self._stride for tick, _ in self._kept]
-            self._kept = [place for k, place in enumerate(self._kept) if k == 0 or steps[k] != steps[k - 1]]
+            steps = [tick // self._stride for tick, _ in self._samples]
+            self._samples = [place for k, place in enumerate(self._samples) if k == 0 or steps[k] != steps[k - 1]]
 
     @property
     def _last(self) -> int:
         """The last step that has positions."""
-        return self._kept[-1][0] // self._stride
+        return self._samples[-1][0] // self._stride

@@ -63,7 +63,7 @@ def below(scenario: Scenario) -> int:
 
 
 def _share(expected: int, metrics: int, room: int) -> tuple[int, int]:
-    """Rows for the expectations and for the metrics; the last row counts those that are left out."""
+    """Rows for the expectations and for the metrics; the last row counts the others."""
     expected = min(expected, MAX_EXPECTED + 1)
     if expected + metrics <= room:
         return expected, metrics
@@ -145,10 +145,10 @@ def _arithmetic(arithmetic: dict[str, str]) -> list[Row]:
 def _expected(summary: dict[str, Any], rows: int) -> list[Row]:
     """At most `rows` rows of the expectations; those not met are first."""
     verdicts = sorted(summary["expectations"], key=lambda expectation: bool(expectation["holds"]))
-    named = rows if len(verdicts) <= rows else rows - 1
+    shown = rows if len(verdicts) <= rows else rows - 1
     lines: list[Row] = [
         ("expected", Text.assemble(cell(_outcome(expectation)), verdict(expectation)))
-        for expectation in verdicts[: max(0, named)]
+        for expectation in verdicts[: max(0, shown)]
     ]
     if len(verdicts) > rows > 0:
         unmet = sum(not expectation["holds"] for expectation in verdicts)
@@ -165,8 +165,8 @@ def _outcome(expectation: dict[str, Any]) -> str:
 
 def _short_metrics(metrics: dict[str, dict[str, float | None]], rows: int) -> list[Row]:
     """At most `rows` rows of one line each, with the numbers that fit."""
-    named = rows if len(metrics) <= rows else rows - 1
-    lines = [_fitting(name, numbers) for name, numbers in list(metrics.items())[: max(0, named)]]
+    shown = rows if len(metrics) <= rows else rows - 1
+    lines = [_fitting(name, numbers) for name, numbers in list(metrics.items())[: max(0, shown)]]
     if len(metrics) > rows > 0:
         lines.append(f"{len(metrics) - len(lines)} more with --verbose")
     return [("" if number else "metrics", line) for number, line in enumerate(lines)]

@@ -28,7 +28,7 @@ _TRACKING = (
 
 
 def tables(summary: dict[str, Any]) -> list[RenderableType]:
-    """The tables, one below the other; each that has no rows is left out."""
+    """The tables, one below the other; those without rows are omitted."""
     made = [_tracking(summary["tracking"]), _edges(summary["edges"]), _radio(summary), _expectations(summary)]
     return [part for table in made if table for part in (*table, "")]
 

@@ -33,7 +33,7 @@ def seen(value: Any) -> str:
 
 
 def verdict(expectation: dict[str, Any]) -> Text:
-    """Whether an expectation holds."""
+    """The verdict on an expectation."""
     return Text("holds", style="green") if expectation["holds"] else Text("does not hold", style="bold red")
 
 

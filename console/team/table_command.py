@@ -33,7 +33,7 @@ def run(
     headless: Annotated[bool, typer.Option("--headless", help="Show no dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
     verbose: Annotated[
-        bool, typer.Option("--verbose", help="After the dashboard, print all that the gates reported.")
+        bool, typer.Option("--verbose", help="After the dashboard, print every report of the gates.")
     ] = False,
 ) -> int:
     """Run a team on a simulated table, with a fes-robot and a gate for each robot."""
@@ -74,7 +74,7 @@ def was_busy(result: dict[str, Any]) -> bool:
 
 
 def _reported(lines: list[str], verbose: bool) -> list[str]:
-    """What the gates reported during the dashboard, or the number of these lines."""
+    """The reports of the gates during the dashboard, or their number."""
     return lines if verbose or not lines else [f"gates: {len(lines)} reports, which --verbose shows"]
 
 

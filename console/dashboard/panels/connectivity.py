@@ -12,7 +12,7 @@ from world.metrics import graphs
 MAX_SPECTRUM = 250
 """Maximum number of robots for which the algebraic connectivity is computed; beyond, it would delay the display."""
 
-_NAMED = 40  # absent robots that are named
+_MOST = 40  # absent robots that are named
 
 
 def connectivity(report: Report) -> list[Line]:
@@ -28,7 +28,7 @@ def connectivity(report: Report) -> list[Line]:
     lines = [[styled("links       ", "dim"), state, algebraic], [styled(graph, "dim"), disk]]
     absent = np.flatnonzero(report.alive != 1).tolist()
     if absent:
-        names = ", ".join(map(str, absent[:_NAMED])) + (", …" if len(absent) > _NAMED else "")
+        names = ", ".join(map(str, absent[:_MOST])) + (", …" if len(absent) > _MOST else "")
         lines.append([styled("not alive   ", "dim"), styled(names, "bold red")])
     return lines
 

@@ -88,11 +88,11 @@ def natural_width(extent: Floats, height: int) -> int:
     return _natural(extent, (height - 1) * DOTS_Y, DOTS_Y, DOTS_X)
 
 
-def _natural(extent: Floats, across: int, cell: int, other: int) -> int:
-    """Cells of `other` dots that hold extent[0] [m], if extent[1] fills `across` dots in cells of `cell` dots."""
+def _natural(extent: Floats, across: int, cell: int, size: int) -> int:
+    """Cells of `size` dots that hold extent[0] [m], if extent[1] fills `across` dots in cells of `cell` dots."""
     room = max(across - 1.0 - 2.0 * _MARGIN - cell, 1.0)
     scale = _zoomed(max(_LEAST_SPAN, float(extent[1])) / room)
-    return math.ceil((float(extent[0]) / scale + 1.0 + 2.0 * _MARGIN + other) / other)
+    return math.ceil((float(extent[0]) / scale + 1.0 + 2.0 * _MARGIN + size) / size)
 
 
 def _room(size: Floats) -> Floats:
@@ -151,7 +151,7 @@ def legend(report: Report, width: int, has_paths: bool = False) -> Line:
         for marks in (_LEGEND, _SHORT_LEGEND)
     )
     path = [Segment(f"  {PATH_MARK}", Style.parse(PATH_STYLE)), Segment(" path")] if has_paths else []
-    choices = ([*full, *path], full, short)
+    choices = ([*full, *path], [*short, *path], full, short)
     return next((line for line in choices if sum(piece.cell_length for piece in line) <= width), [])
 
 

@@ -18,7 +18,7 @@ _MOST = 12  # robots that are named
 
 
 def panel(report: Report, width: int) -> list[Line]:
-    """Three lines, of which the last is empty if no configuration is sought; words that do not fit are left out."""
+    """Three lines, of which the last is empty if no configuration is sought; words that do not fit are omitted."""
     share = report.team_index / report.team_index_target if report.team_index_target > 0.0 else math.nan
     style = "green" if share >= _GOOD else "yellow" if math.isfinite(share) else ""
     values = f"F {number(report.team_index, '.4f')} of {number(report.team_index_target, '.4f')}"

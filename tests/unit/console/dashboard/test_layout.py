@@ -119,7 +119,7 @@ def test_panels_share_the_lines_by_their_rank(wanted: list[list[int]], height: i
         assert sizes == [panel.heights[3] for panel in made]
 
 
-def test_an_error_that_needs_a_dither_period_says_so() -> None:
+def test_an_error_that_needs_a_dither_period_is_announced() -> None:
     waiting = a_report(ROW[:2], CHAIN[:1], separation_error_max=math.nan)
     for width, height in TERMINALS:
         text = "\n".join(frame(a_history(waiting), width, height))
