@@ -82,7 +82,7 @@ def _headline(result: dict[str, Any]) -> str:
     """The result in one line."""
     error, optimal = _length(result["separation_error_max"]), _length(result["optimal_separation"])
     within = f" at the end within {error} of r* = {optimal}" if result["links"] else ""
-    return f"{result['robots']} robots, {result['links']} links{within}"
+    return f"{result['robots']} robots, {result['links'] or 'no'} links{within}"
 
 
 def _lines(result: dict[str, Any]) -> list[str]:
@@ -92,8 +92,8 @@ def _lines(result: dict[str, Any]) -> list[str]:
     return [
         f"optimum r*: {_length(result['optimal_separation'])}",
         f"mean estimate: {estimate[0]}; error at the end {estimate[1]}",
-        f"separations of {result['links']} links: {separation[0]}; rms error at the end {separation[1]}",
-        *(["the machine was too busy for real time: late beacons count as lost, so robots err"] * was_busy(result)),
+        f"separations of {result['links']} links: {separation[0]}; rms error {separation[1]}",
+        *(["the machine was too busy for real time: robots err, since late beacons are lost"] * was_busy(result)),
     ]
 
 

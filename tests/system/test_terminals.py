@@ -134,7 +134,8 @@ def test_after_a_run_the_last_frame_and_the_headline_are_on_the_terminal_togethe
     lines = shown.left.rstrip("\n").split("\n")
     assert len(lines) < rows  # and the prompt
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert lines[0].startswith("pair ")  # of the frame
+    assert lines[0].startswith("pair  index oracle ")  # of the frame
+    assert all(any(panel in line for line in lines) for panel in ("Map", "Convergence", "Links", "├"))
     end = [line.strip() for line in lines[-7:]]
     words = ("estimate error", "separation error", "r*", "time", "digest", "run dir", "2 robots, 1 link within")
     for line, word in zip(end, words, strict=True):

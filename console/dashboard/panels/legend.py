@@ -41,7 +41,7 @@ _DISAGREEMENT: Entry = (
 )
 _ERRORS: tuple[Entry, ...] = (
     ("estimate error", "largest, from r*", "largest distance of an estimate from r*"),
-    ("separation error", "largest, from r*", "largest distance of a link's length from r*"),
+    ("separation error", "largest, from r*", "largest distance of a length from r*, mean over a dither"),
 )
 _OF_ROBOTS: tuple[Entry, ...] = (
     ("estimate spread", "largest less least", "largest estimate less the smallest one"),
