@@ -57,12 +57,7 @@ def run(
         if json_:
             print(strict_json.dumps(result), flush=True)
         else:
-            for line in [
-                *_reported(lines, verbose),
-                *_lines(result),
-                f"run directory: {directory.path}",
-                _headline(result),
-            ]:
+            for line in conclusion(result, lines, directory.path, verbose):
                 printing.line(line)
     return process.SUCCESS
 
@@ -73,9 +68,10 @@ def was_busy(result: dict[str, Any]) -> bool:
     return bool(result["bodies_lost_s"] > LOST or beacons["late"] > LATE * max(1, beacons["heard"]))
 
 
-def _reported(lines: list[str], verbose: bool) -> list[str]:
-    """The reports of the gates during the dashboard, or their number."""
-    return lines if verbose or not lines else [f"gates: {len(lines)} reports, which --verbose shows"]
+def conclusion(result: dict[str, Any], reports: list[str], directory: Path, verbose: bool = False) -> list[str]:
+    """The lines after a run: the reports of the gates or their number, the result, and its headline last."""
+    told = reports if verbose or not reports else [f"gates: {len(reports)} reports, which --verbose shows"]
+    return [*told, *_lines(result), f"run directory: {directory}", _headline(result)]
 
 
 def _headline(result: dict[str, Any]) -> str:
