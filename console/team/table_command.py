@@ -70,8 +70,8 @@ def was_busy(result: dict[str, Any]) -> bool:
 
 def conclusion(result: dict[str, Any], reports: list[str], directory: Path, verbose: bool = False) -> list[str]:
     """The lines after a run: the reports of the gates or their number, the result, and its headline last."""
-    told = reports if verbose or not reports else [f"gates: {len(reports)} reports, which --verbose shows"]
-    return [*told, *_lines(result), f"run directory: {directory}", _headline(result)]
+    shown = reports if verbose or not reports else [f"gates: {len(reports)} reports, which --verbose shows"]
+    return [*shown, *_lines(result), f"run directory: {directory}", _headline(result)]
 
 
 def _headline(result: dict[str, Any]) -> str:
