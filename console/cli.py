@@ -18,7 +18,7 @@ from console.backends.processes import Launch
 from console.check.command import check
 from console.connect import options, run_directory, set_command
 from console.dashboard import command as dashboard_command
-from console.dashboard import live, summary
+from console.dashboard import live, source, summary
 from console.doctor.command import doctor
 from console.fit import command as fit_command
 from console.keys import command as keys_command
@@ -152,7 +152,7 @@ def run(
                     terminal = screen if dashboard else None
                     result = _in_process(loaded, name, pace, directory.path, terminal, recorder)
             else:
-                result = processes.run(launch, loaded, directory, view.on_screen(screen, dashboard))
+                result = processes.run(launch, loaded, directory, view.on_screen(screen, dashboard, loaded))
             if absences := result.get("unscheduled_absences"):
                 process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
             if json_:
@@ -160,6 +160,7 @@ def run(
             else:
                 printing.show(screen, summary.render(result, verbose))
                 printing.line(f"run directory: {directory.path}")
+                printing.show(screen, summary.last_line(result))
     return process.UNMET if expectations.unmet(result) else process.SUCCESS
 
 
@@ -227,5 +228,5 @@ def _in_process(
         with progress.bar(name, scenario.ticks) as bar:
             watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
             return inprocess.run(scenario, name, pace, watch, store, recorder)
-    with live.Screen(screen, summary.BELOW) as frames:
+    with live.Screen(screen, summary.below(scenario), source=source.of(scenario)) as frames:
         return inprocess.run(scenario, name, pace, frames.show, store, recorder)

@@ -24,6 +24,7 @@ from console.backends import inprocess
 from console.backends.process_group import free_port
 from console.connect import observer
 from console.dashboard import frame
+from console.dashboard.history import ReportHistory
 from fes.protocol import keys
 from fes.recording.layout import NAME
 from fes.transport import bus
@@ -55,7 +56,7 @@ def in_one_loop(ticks: int, recorded: bool) -> None:
     ticks_read: list[int] = []
     memory: list[float] = []
     alive = np.ones(scenario.robots.number, dtype=np.uint8)
-    paper, history = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
+    paper, history = Console(file=io.StringIO(), width=120, height=40), ReportHistory()
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder) / NAME, scenario, "memory", "inprocess") if recorded else None
         metrics = MetricsCollector(scenario)
@@ -99,7 +100,7 @@ async def _watch(pids: dict[str, int], endpoint: str, minutes: float) -> None:
     """Draw reports as the dashboard does, and read the memory of every process."""
     ticks: list[int] = []
     memory: dict[str, list[float]] = {name: [] for name in (*pids, "viewer")}
-    paper, history = Console(file=io.StringIO(), width=120, height=40), frame.ReportHistory()
+    paper, history = Console(file=io.StringIO(), width=120, height=40), ReportHistory()
     begun = time.monotonic()
     async with bus.opened(Endpoints("client", (endpoint,), timeout=30.0)) as opened:
         async for report in observer.reports(opened, keys.DEFAULT_RUN, 60.0, 1.0):

@@ -6,14 +6,14 @@ from functools import partial
 from rich.console import Console
 
 from console.connect import observer
-from console.dashboard import live
-from console.dashboard.summary import BELOW
+from console.dashboard import live, source, summary
 from console.terminal import progress
 from console.terminal.printing import is_screen
 from fes.protocol import keys
 from fes.protocol.report import Report
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
+from world.config.scenario import Scenario
 
 RUN = keys.DEFAULT_RUN
 
@@ -21,11 +21,13 @@ View = Callable[[Endpoints], Coroutine[None, None, None]]
 """Shows a run to a person, as an observer with these endpoints, until the run is over."""
 
 
-def on_screen(console: Console, dashboard: bool) -> View | None:
+def on_screen(console: Console, dashboard: bool, scenario: Scenario) -> View | None:
     """A view in a terminal: the dashboard, or a line of progress; None if the console is not a terminal."""
     if not is_screen(console):
         return None
-    return partial(_show_dashboard if dashboard else _show_progress, console)
+    if not dashboard:
+        return partial(_show_progress, console)
+    return partial(_show_dashboard, live.Screen(console, summary.below(scenario), source=source.of(scenario)))
 
 
 def of_reports(watch: Callable[[Report], None]) -> View:
@@ -40,9 +42,9 @@ def of_reports(watch: Callable[[Report], None]) -> View:
     return follow
 
 
-async def _show_dashboard(console: Console, endpoints: Endpoints) -> None:
+async def _show_dashboard(screen: live.Screen, endpoints: Endpoints) -> None:
     async with bus.opened(endpoints) as session:
-        with live.Screen(console, BELOW) as screen:
+        with screen:
             await live.watch(session, RUN, endpoints.timeout, screen)
 
 

@@ -10,7 +10,7 @@ import typer
 from console.connect import run_directory
 from console.connect.options import Cfg, Config, Connect, ObserverKeys, Run
 from console.connect.run_directory import Client
-from console.dashboard import live
+from console.dashboard import live, source
 from console.foxglove import server
 from console.terminal import printing
 from fes import command_line, process
@@ -61,7 +61,10 @@ def view(
 
     async def show() -> int:
         async with opened(endpoints, run) as session:
-            with live.Screen(screen) as frames, live.saved(frames, picture, "fes view"):
+            with (
+                live.Screen(screen, source=source.of_running(run, endpoints)) as frames,
+                live.saved(frames, picture, "fes view"),
+            ):
                 await live.watch(session, run, timeout, frames)
         return process.SUCCESS
 

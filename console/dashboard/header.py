@@ -5,13 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 from rich.cells import cell_len
 
-from console.dashboard import belief, team_panel
+from console.dashboard import belief
 from console.dashboard.canvas import Line
+from console.dashboard.panels import reception_panel, team_panel
 from console.terminal.formatting import count, length, number, styled
 from fes.protocol.report import Report
 from fes.system.output import printable
 
 _GAP = 3
+_LEAST_BAR = 5  # cells of a bar of progress
 
 Facts = list[tuple[str, str, str]]
 """Label, value and style of each fact."""
@@ -20,17 +22,35 @@ SILENCE = 1.0
 """Time without a Report [s] after which the world counts as stopped, and its pace is not shown."""
 
 
-def header(report: Report, width: int, silence: float = 0.0, modes: str = "") -> list[Line]:
-    """The two lines, `silence` [s] after the last sign of life of the world; `modes` are those of real robots."""
+def header(report: Report, width: int, silence: float = 0.0, modes: str = "", source: str = "") -> list[Line]:
+    """The two lines, `silence` [s] after the last sign of life of the world.
+
+    `modes` are those of the gates of real robots, `source` is that of the index in words.
+    """
+    source = source or ("measured" if reception_panel.is_measured(report) else "")
     if report.is_of_robots:
-        return [_time(report, width), _fitting(_facts_of_robots(report, modes, silence), width)]
-    return [_progress(report, width), _facts(report, width, silence)]
+        return [_time(report, width, source), _fitting(_facts_of_robots(report, modes, silence), width)]
+    return [_progress(report, width, source), _facts(report, width, silence)]
 
 
-def _time(report: Report, width: int) -> Line:
-    name, time = printable(report.scenario), f"time {number(report.elapsed, ',.1f')} s"
-    rule = "─" * max(0, width - cell_len(name) - len(time) - 2)
-    return [styled(name, "bold"), styled(f" {rule} ", "dim"), styled(time)]
+def _title(report: Report, source: str, room: int) -> Line:
+    """The name of the scenario, and the source of the index if there is room."""
+    name = printable(report.scenario)
+    words = "" if not source or "law" in source else "index "
+    if not source or cell_len(name) + 2 + len(words + source) > room:
+        return [styled(name, "bold")]
+    return [styled(f"{name}  ", "bold"), styled(words, "dim"), styled(source, "cyan")]
+
+
+def _time(report: Report, width: int, source: str) -> Line:
+    time = f"time {number(report.elapsed, ',.1f')} s"
+    name = _title(report, source, width - len(time) - 5)
+    rule = "─" * max(0, width - _length(name) - len(time) - 2)
+    return [*name, styled(f" {rule} ", "dim"), styled(time)]
+
+
+def _length(line: Line) -> int:
+    return sum(segment.cell_length for segment in line)
 
 
 def _facts_of_robots(report: Report, modes: str, silence: float) -> list[Facts]:
@@ -54,14 +74,14 @@ def _facts_of_robots(report: Report, modes: str, silence: float) -> list[Facts]:
     ]
 
 
-def _progress(report: Report, width: int) -> Line:
-    name = printable(report.scenario)
+def _progress(report: Report, width: int, source: str) -> Line:
     done, duration = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
     ticks, times = f"{report.tick:,} / {report.ticks:,}", f"{done} / {duration} s"
     words = [f"tick {ticks}", f"time {times}"] if width >= 72 else [ticks, times]
-    room = width - cell_len(name) - sum(len(word) + _GAP for word in words) - 2
-    line = [styled(name, "bold")]
-    if room >= 5:
+    taken = sum(len(word) + _GAP for word in words) + 2
+    line = _title(report, source, width - taken - _LEAST_BAR)
+    room = width - _length(line) - taken
+    if room >= _LEAST_BAR:
         part = min(1.0, report.tick / report.ticks) if report.ticks > 0 else 0.0
         full = round(part * room)
         line += [styled("  "), styled("━" * full, "cyan"), styled("─" * (room - full), "dim")]

@@ -12,7 +12,8 @@ from typing import Self
 from rich.console import Console, RenderableType
 
 from console.connect import observer
-from console.dashboard.frame import ReportHistory, render
+from console.dashboard.frame import render
+from console.dashboard.history import ReportHistory
 from console.terminal import screen
 from console.terminal.screen import Draw
 from fes.errors import FesError, reason
@@ -29,13 +30,13 @@ LEAST = 12
 class Screen:
     """A terminal that shows the dashboard within a block, and keeps its last frame."""
 
-    def __init__(self, console: Console, below: int = 0, expected: str = "the world") -> None:
+    def __init__(self, console: Console, below: int = 0, expected: str = "the world", source: str = "") -> None:
         """`below` is the number of lines printed after the last frame, which leaves room for them.
 
-        `expected` names the program or the robots whose first report is awaited.
+        `expected` names the program or the robots whose first report is awaited, `source` the source of the index.
         """
         self.history = ReportHistory()
-        self.history.expected = expected
+        self.history.expected, self.history.source = expected, source
         self.console = console
         self._below = below
         self._draw: Draw = lambda frame: None

@@ -52,6 +52,7 @@ def replay(
             result = rerun(log, all_, bar.advance)
         if not json_:
             printing.show(screen, summary.render(result, verbose))
+            printing.show(screen, summary.last_line(result))
         _print(json_, result, title, result["ticks"])
     else:
         if (note := recorded.other_digits(log)) is not None:

@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
-from console.dashboard.frame import ReportHistory, render
+from console.dashboard import source
+from console.dashboard.frame import render
+from console.dashboard.history import ReportHistory
 from console.replay import reexecution
 from console.replay.log import Log
 from console.terminal import screen
@@ -38,7 +40,8 @@ class Player:
         self.over = False
         self.tick = -1
         """Tick currently shown."""
-        self.history = ReportHistory()
+        self._source = source.of(log.scenario)
+        self.history = self._new_history()
         self._wanted = 0.0
         self._stride = 1 + log.scenario.robots.number * self.ticks // _CAPACITY
         self._reports = _reports(log)
@@ -73,6 +76,11 @@ class Player:
         if self.tick >= self._last:
             self.playing = False
 
+    def _new_history(self) -> ReportHistory:
+        history = ReportHistory()
+        history.source = self._source
+        return history
+
     @property
     def _last(self) -> int:
         """The last tick known to exist."""
@@ -87,7 +95,7 @@ class Player:
         self._wanted = max(target_time, 0.0)
         if self._due() < self.tick:
             reports = self._stored[: self._due() // self._stride + 1]
-            self.history, self.tick = ReportHistory(), -1
+            self.history, self.tick = self._new_history(), -1
             for _ in reports:
                 self._show_next()
 

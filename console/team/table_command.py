@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from console.connect import options, run_directory
-from console.dashboard import live
+from console.dashboard import live, source
 from console.team.table_run import TableRun
 from console.terminal import printing
 from fes import process
@@ -14,6 +14,9 @@ from fes.system import strict_json
 from world.config import builtin
 from world.config.scenario import load, parse_override
 from world.metrics.summary import write, write_scenario
+
+BELOW = 7
+"""Most lines after the last frame, without those of the gates."""
 
 LOST, CONCEALED = 1.0, 0.03
 """Time for which bodies may stand still [s], and share of ticks that conceal a pause, in a run in real time."""
@@ -29,6 +32,9 @@ def run(
     out: Annotated[Path | None, typer.Option(help="Run directory (default runs/<scenario>-<n>).")] = None,
     headless: Annotated[bool, typer.Option("--headless", help="Show no dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print the summary as JSON, and nothing else.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="After the dashboard, print every report of the gates.")
+    ] = False,
 ) -> int:
     """Run a team on a simulated table, with a fes-robot and a gate for each robot."""
     fields = [("run.seed", seed), ("run.duration", duration), ("tabletop.body", body)]
@@ -43,7 +49,7 @@ def run(
         say = lines.append if shows or json_ else printing.line
         team = TableRun(loaded, directory.path, say)
         if shows:
-            with live.Screen(screen, expected="the robots") as frames:
+            with live.Screen(screen, BELOW, "the robots", source.of(loaded)) as frames:
                 result = process.supervise(lambda: team.run(frames))
         else:
             result = process.supervise(lambda: team.run(None))
@@ -51,13 +57,8 @@ def run(
         if json_:
             print(strict_json.dumps(result), flush=True)
         else:
-            for line in lines:
+            for line in conclusion(result, lines, directory.path, verbose):
                 printing.line(line)
-            for line in _lines(result):
-                printing.line(line)
-            if was_busy(result):
-                printing.line("the machine was too busy for real time: bodies and robots stood still at times")
-            printing.line(f"run directory: {directory.path}")
     return process.SUCCESS
 
 
@@ -67,6 +68,19 @@ def was_busy(result: dict[str, Any]) -> bool:
     return bool(result["bodies_lost_s"] > LOST or beacons["concealed"] > CONCEALED * max(1, beacons["heard"]))
 
 
+def conclusion(result: dict[str, Any], reports: list[str], directory: Path, verbose: bool = False) -> list[str]:
+    """The lines after a run: the reports of the gates or their number, the result, and its headline last."""
+    shown = reports if verbose or not reports else [f"gates: {len(reports)} reports, which --verbose shows"]
+    return [*shown, *_lines(result), f"run directory: {directory}", _headline(result)]
+
+
+def _headline(result: dict[str, Any]) -> str:
+    """The result in one line."""
+    error, optimal = _length(result["separation_error_max"]), _length(result["optimal_separation"])
+    within = f" at the end within {error} of r* = {optimal}" if result["links"] else ""
+    return f"{result['robots']} robots, {result['links'] or 'no'} links{within}"
+
+
 def _lines(result: dict[str, Any]) -> list[str]:
     """The summary in words."""
     estimate = _reached(result["estimate_time"]), _length(result["mean_estimate_error"])
@@ -74,7 +88,8 @@ def _lines(result: dict[str, Any]) -> list[str]:
     return [
         f"optimum r*: {_length(result['optimal_separation'])}",
         f"mean estimate: {estimate[0]}; error at the end {estimate[1]}",
-        f"separations of {result['links']} links: {separation[0]}; rms error at the end {separation[1]}",
+        f"separations of {result['links']} links: {separation[0]}; rms error {separation[1]}",
+        *(["the machine was too busy for real time: bodies or robots stood still at times"] * was_busy(result)),
     ]
 
 

@@ -11,7 +11,8 @@ from rich.segment import Segment
 
 from agents.control import crew
 from agents.runtime.reception import Receiver
-from console.dashboard.frame import ReportHistory, render
+from console.dashboard.frame import render
+from console.dashboard.history import ReportHistory
 from fes.arrays.types import Floats, Ints
 from fes.model import outage
 from fes.model.sensing import no_beacons
@@ -114,7 +115,8 @@ def team_map(report: Report, width: int = 100, height: int = 30) -> list[str]:
     """The lines of the map without its title and scale."""
     lines = frame(a_history(report), width, height)
     side = lines[2].index("Convergence")
-    return [line[:side] for line in lines[3:-1]]
+    last = next(row for row, line in enumerate(lines) if line.startswith("├"))
+    return [line[:side] for line in lines[3:last]]
 
 
 def find(lines: list[str], mark: str) -> tuple[int, int]:

@@ -29,7 +29,7 @@ def test_log_lines_show_the_numbers_of_the_summary() -> None:
         "1 links, r* = 68.114 m",
         f"largest separation error: {run_summary['separation_error_max']:.4f} m",
         f"largest estimate error: {run_summary['estimate_error_max']:.4f} m",
-        f"from {run_summary['time_to']['separation_0_1m']:.2f} s on",
+        f"reached at {run_summary['time_to']['separation_0_1m']:.2f} s",
         f"digest {run_summary['digest']}",
     ):
         assert number in text
@@ -40,7 +40,7 @@ def test_a_run_without_links_has_lines_without_errors() -> None:
     lines = summary.lines(inprocess.run(alone, "pair"))
     assert "0 links" in lines[1]
     assert not any("largest" in line for line in lines)
-    assert "separation error < 0.1 m: never" in lines
+    assert "separation error < 0.1 m: not reached" in lines
 
 
 def test_compose_has_an_agent_for_each_robot_of_its_scenario_and_each_role_its_own_volume() -> None:

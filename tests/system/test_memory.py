@@ -12,6 +12,7 @@ from rich.console import Console
 from bench.size.memory import resident
 from console.backends import inprocess
 from console.dashboard import frame
+from console.dashboard.history import ReportHistory
 from tests.support.loop import load
 from world.metrics import report_builder
 from world.metrics.collector import MetricsCollector
@@ -21,7 +22,7 @@ TICKS, WARM_UP = 40_000, 10_000
 
 def test_world_robots_metrics_and_dashboard_of_a_long_run_do_not_grow() -> None:
     scenario = load("pair.toml", run__duration=TICKS * 0.02)
-    metrics, shown = MetricsCollector(scenario), frame.ReportHistory()
+    metrics, shown = MetricsCollector(scenario), ReportHistory()
     paper, alive, before = Console(file=io.StringIO(), width=80, height=24), np.ones(2, dtype=np.uint8), 0.0
     for done, tick in enumerate(inprocess.ticks(scenario), 1):
         metrics.add(tick.state, tick.twists, tick.telemetry)

@@ -98,7 +98,7 @@ def lines(summary: dict[str, Any]) -> list[str]:
     if lost_at is not None:
         text.append(links_lost(lost_at))
     since = summary["time_to"]["separation_0_1m"]
-    text.append("separation error < 0.1 m: " + ("never" if since is None else f"from {since:.2f} s on"))
+    text.append("separation error < 0.1 m: " + ("not reached" if since is None else f"reached at {since:.2f} s"))
     return [*text, f"digest {summary['digest']}"]
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
-from console.dashboard import panels
-from console.dashboard.frame import CAPACITY, ReportHistory
+from console.dashboard.history import CAPACITY, ReportHistory
+from console.dashboard.panels import convergence as panels
 from fes.protocol.report import Report
 from tests.support import frames
 from tests.support.frames import SIZES, TINY, a_history, a_report, a_swarm, bar_heights, frame, measured
@@ -114,6 +114,21 @@ def test_the_algebraic_connectivity_is_that_of_known_graphs() -> None:
     assert "λ₂ 1 " in "".join(frame(a_history(a_report(row, [(0, 1), (1, 2)]))))  # a path of three
     assert "λ₂ 3 " in "".join(frame(a_history(a_report(row, [(0, 1), (1, 2), (0, 2)]))))  # a triangle
     assert "2 components (2, 1)" in "".join(frame(a_history(a_report(row, [(0, 1)]))))
+
+
+def test_absent_robots_do_not_count_in_the_algebraic_connectivity() -> None:
+    row = [(0.0, 0.0), (50.0, 0.0), (100.0, 0.0), (150.0, 0.0)]
+    alive = np.array([1, 1, 1, 0], dtype=np.uint8)
+    text = "".join(frame(a_history(a_report(row, [(0, 1), (1, 2)], alive=alive))))
+    assert "connected  λ₂ 1 " in text  # a path of three
+    assert "components" not in text
+    cut = "".join(frame(a_history(a_report(row, [(0, 1), (1, 3), (2, 3)], alive=alive))))
+    assert "2 components (2, 1)  λ₂ 0 " in cut  # a link of an absent robot connects nothing
+    for robots in (0, 1):
+        left = np.array([robots, 0, 0, 0], dtype=np.uint8)
+        alone = "".join(frame(a_history(a_report(row, [(0, 1)], alive=left))))
+        assert "λ₂ 0 " not in alone
+        assert "nan" not in alone
 
 
 def test_a_history_stays_small_and_forgets_no_peak() -> None:

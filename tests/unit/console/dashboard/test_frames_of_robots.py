@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
-from console.dashboard import belief, links_panel
+from console.dashboard import belief
+from console.dashboard.panels import links_panel
 from fes.protocol.report import Report
-from tests.support.frames import SIZES, TINY, a_history, a_report, frame, measured
+from tests.support.frames import SIZES, TINY, a_history, a_report, frame, measured, team_map
 
 
 def of_robots(**fields: object) -> Report:
@@ -73,7 +74,5 @@ def test_links_are_colored_by_the_share_of_beacons_that_did_not_decode() -> None
 def test_a_robot_whose_pose_is_unknown_is_not_on_the_map() -> None:
     poses = of_robots().poses.copy()
     poses[2] = math.nan
-    lines = frame(a_history(of_robots(poses=poses)))
-    side = lines[2].index("Convergence")
-    shown = "".join(line[:side] for line in lines[3:-1])
+    shown = "".join(team_map(of_robots(poses=poses)))
     assert ("0" in shown, "1" in shown, "2" in shown) == (True, True, False)

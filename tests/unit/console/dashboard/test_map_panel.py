@@ -41,7 +41,7 @@ def test_the_scale_shows_the_meters_between_two_robots() -> None:
     poses = np.array([[0.0, 0.0, 0.0], [140.0, 0.0, math.pi]])
     report = a_report(poses[:, :2], poses=poses)
     (left, _), (right, _) = (find(team_map(report), arrow) for arrow in "→←")
-    bar, metres = re.findall(r"(├─*┤) (\d+) m", frame(a_history(report))[-1])[0]
+    bar, metres = re.findall(r"(├─*┤) (\d+) m", "\n".join(frame(a_history(report))))[0]
     # Rounding to cells: half a cell of the bar's fifteen or so, and one of the forty between the robots
     assert (right - left) * int(metres) / len(bar) == pytest.approx(140.0, rel=0.06)
 

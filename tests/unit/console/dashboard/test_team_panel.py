@@ -40,14 +40,12 @@ def test_without_a_configuration_no_plan_is_shown() -> None:
     text = "\n".join(lines_of(a_team(cutting=np.zeros(0, dtype=np.int64))))
     assert "cutting     no robot" in text
     assert "plans" not in text
-    assert (
-        "cutting     robot 3\n" in "\n".join(line.rstrip() for line in lines_of(a_team(cutting=np.array([3])))) + "\n"
-    )
+    assert "cutting     robot 3 " in "\n".join(lines_of(a_team(cutting=np.array([3]))))
 
 
 def test_links_that_are_cut_already_are_shown_as_such() -> None:
     halves = a_report(PLACES, [(0, 1), (2, 3)], **{**TEAM, "cutting": np.zeros(0, dtype=np.int64)})
-    assert "cutting     the links are already cut, into 2 parts" in "\n".join(lines_of(halves))
+    assert "cutting     already cut, into 2 parts" in "\n".join(lines_of(halves))
     alive = np.array([1, 1, 0, 0], dtype=np.uint8)
     pair = a_report(PLACES, [(0, 1)], **{**TEAM, "cutting": np.zeros(0, dtype=np.int64), "alive": alive})
     assert "cutting     no robot" in "\n".join(lines_of(pair))  # robots that are not alive do not count

@@ -163,11 +163,11 @@ def test_a_run_directory_is_printed_exactly_on_one_line(
     loop = ["--backend", "inprocess", "--duration", "0.2"]
     for out in (f"{ODD}/{LONG}", f"{LONG}/[/]"):
         assert fes(monkeypatch, "run", PAIR, *loop, "--out", out) == 0
-        assert capfd.readouterr().out.endswith(f"\nrun directory: {out}\n")
+        assert capfd.readouterr().out.splitlines()[-2] == f"run directory: {out}"
         assert (tmp_path / out / "summary.json").exists()
     assert fes(monkeypatch, "run", "a[red]b [lambda=2].toml", *loop) == 0
     out = capfd.readouterr().out
-    assert out.endswith("\nrun directory: runs/a[red]b [lambda=2]-1\n")
+    assert out.splitlines()[-2] == "run directory: runs/a[red]b [lambda=2]-1"
     assert "a[red]b [lambda=2], 2 robots" in out
     fixed = ["--seeds", "0:2", "--set", "run.duration=0.2", "--jobs", "1", "--plot"]
     assert fes(monkeypatch, "sweep", "a[red]b [lambda=2].toml", *fixed, "--out", ODD + LONG[:200]) == 0

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from console.dashboard import belief, reception_panel
+from console.dashboard import belief
 from console.dashboard.canvas import Line
-from console.dashboard.map_panel import OUTAGE_STYLES, loss, outage_class
+from console.dashboard.panels import reception_panel
+from console.dashboard.panels.map_panel import OUTAGE_STYLES, loss, outage_class
 from console.terminal.formatting import count, number, percent, styled
 from fes.arrays.types import Floats, Ints
 from fes.protocol.report import Report

@@ -27,8 +27,8 @@ def is_measured(report: Report) -> bool:
 
 def legend(report: Report) -> Line:
     """The marks of the chart; real robots have no true curve."""
-    true = [] if report.is_of_robots else [styled("⠂ ⠂", "magenta"), styled(" true  ")]
-    return [styled("⠒⠒⠒", "cyan"), styled(" learnt  "), *true, styled("• counted")]
+    true = [] if report.is_of_robots else [styled("⠂ ⠂", "magenta"), styled(" true ")]
+    return [styled("⠒⠒⠒", "cyan"), styled(" learnt "), *true, styled("• counted")]
 
 
 def counted(report: Report) -> Floats:

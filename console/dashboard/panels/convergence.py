@@ -1,7 +1,6 @@
-"""The panels beside the map, each a function from numbers to lines of styled text."""
+"""The panel of convergence: errors over time on a log scale, and the tracking of r*."""
 
 import math
-from functools import lru_cache
 
 import numpy as np
 
@@ -10,10 +9,6 @@ from console.dashboard.canvas import Line
 from console.terminal.formatting import UNKNOWN, length, number, styled
 from fes.arrays.types import Floats, Ints
 from fes.protocol.report import Report
-from world.metrics import graphs
-
-MAX_SPECTRUM = 250
-"""Maximum number of robots for which the algebraic connectivity is computed; beyond, it would delay the display."""
 
 SERIES = {
     "disagreement": "disagreement",
@@ -22,28 +17,14 @@ SERIES = {
 }
 """Plotted fields of a Report, and their labels."""
 
+AWAITED = "known after a dither period"
+"""Text for an error that is averaged over a dither period, before the end of the first one."""
+
 _LABEL = max(map(len, [*SERIES.values(), *belief.SERIES]))
 _VALUE = 8
 _AXIS = 8
 _DECADES = 8  # maximum span of a log scale
 _BARS = " ▁▂▃▄▅▆▇█"
-
-
-def connectivity(report: Report) -> list[Line]:
-    """Connectivity of the links and of the disk graph, and the robots that are not alive."""
-    sizes, lambda_2 = _spectrum(len(report.alive), report.a.tobytes(), report.b.tobytes())
-    state = styled("connected", "green")
-    if len(sizes) != 1:
-        largest = ", ".join(map(str, sizes[:3])) + (", …" if len(sizes) > 3 else "")
-        state = styled(f"{len(sizes):,} components ({largest})", "yellow")
-    algebraic = styled("" if lambda_2 is None else f"  λ₂ {lambda_2:.3g}")
-    disk = styled("connected", "green") if report.disk_connected else styled("not connected", "yellow")
-    graph = "heard       " if report.is_of_robots else "disk graph  "
-    lines = [[styled("links       ", "dim"), state, algebraic], [styled(graph, "dim"), disk]]
-    dead = np.flatnonzero(report.alive != 1).tolist()
-    if dead:
-        lines.append([styled("not alive   ", "dim"), styled(", ".join(map(str, dead[:40])), "bold red")])
-    return lines
 
 
 def series(report: Report) -> Floats:
@@ -61,6 +42,9 @@ def convergence(report: Report, history: Floats, changes: Ints, width: int, rows
     lines: list[Line] = []
     labels = belief.SERIES if report.is_of_robots else SERIES.values()
     for values, label, latest in zip(history, labels, series(report).tolist(), strict=True):
+        if label == SERIES["separation_error_max"] and is_awaited(report, history):
+            lines.append([styled(f"{label:<{_LABEL}} {AWAITED}", "dim")])
+            continue
         now = f"{length(latest):>{_VALUE}}"
         low, high = log_range(values)
         bars = [_marked(bar, changes) for bar in bar_rows(values, low, high, rows)]
@@ -75,28 +59,42 @@ def convergence(report: Report, history: Floats, changes: Ints, width: int, rows
 
 
 def tracking(report: Report, width: int) -> Line:
-    """Error of the mean estimate, and time until it stays within 1 m of r*, in the words that fit.
+    """Error of the mean estimate, and the time after which it reached r*, in the words that fit.
 
     Of real robots, whose r* is unknown, the mean estimate itself.
     """
+    label = styled(f"{'mean estimate':<{_LABEL}} ", "dim")
     if report.is_of_robots:
-        estimate = length(belief.mean_estimate(report))
-        return [styled(f"{'mean estimate':<{_LABEL}} ", "dim"), styled(estimate)]
+        return [label, styled(length(belief.mean_estimate(report)))]
     error = report.mean_estimate_error
+    if not math.isfinite(error):
+        return [label, styled(UNKNOWN)]
     passed = number(report.tick * report.dt - report.changed_at, ",.1f")
+    name = "r_β" if len(report.plans) else "r*"
     if math.isfinite(report.tracking_time):
         took = f"{report.tracking_time:,.1f} s"
-        words = [f"within 1 m of r* after {took}", f"within 1 m after {took}", f"< 1 m after {took}"]
+        state = "reached"
+        words = [f"1 m reached in {took}", f"reached in {took}"]
     elif abs(error) < 1.0:
-        words = [f"within 1 m of r*, not held yet, {passed} s so far", f"not held yet, {passed} s"]
+        state = "not held yet"
+        words = [f"1 m not held yet after {passed} s", f"not held yet, {passed} s"]
     else:
-        words = [f"not within 1 m of r* yet, {passed} s so far", f"not within 1 m, {passed} s"]
-    shown_error, label = (
-        f"{number(error, '+,.2f')} m" if math.isfinite(error) else UNKNOWN,
-        f"{'mean estimate':<{_LABEL}} ",
-    )
-    shown = next((text for text in words if len(label) + len(shown_error) + 2 + len(text) <= width), "")
-    return [styled(label, "dim"), styled(shown_error), styled(f", {shown}" if shown else "")]
+        state = "not reached"
+        words = [f"1 m not reached after {passed} s", f"not reached, {passed} s"]
+    room = width - label.cell_length
+    shown = f"{number(error, '+,.2f')} m"
+    choices = [
+        *(f"{shown} from {name}, {text}" for text in words),
+        f"{shown}, {words[-1]}",
+        f"{shown}, {state}",
+        shown,
+    ]
+    return [label, styled(next((text for text in choices if len(text) <= room), shown))]
+
+
+def is_awaited(report: Report, history: Floats) -> bool:
+    """True if no separation error [3, k] [m] is known yet: it is averaged over a dither period of each link."""
+    return len(report.a) > 0 and not report.is_of_robots and not bool(np.isfinite(history[2]).any())
 
 
 def sparkline_width(width: int, rows: int) -> int:
@@ -143,16 +141,3 @@ def _marked(bar: str, changes: Ints) -> Line:
 
 def _power(exponent: float) -> str:
     return length(10.0**exponent).replace(".00", "").replace(".0", "")
-
-
-@lru_cache(maxsize=8)
-def _spectrum(n: int, a: bytes, b: bytes) -> tuple[list[int], float | None]:
-    """Sizes of the components of the links, largest first, and lambda_2; cached, because links rarely change."""
-    ends = np.frombuffer(a, dtype=np.int64), np.frombuffer(b, dtype=np.int64)
-    is_known = (np.minimum(*ends) >= 0) & (np.maximum(*ends) < n)
-    lower, higher = ends[0][is_known], ends[1][is_known]
-    sizes = np.unique(graphs.components(n, lower, higher), return_counts=True)[1]
-    lambda_2: float | None = 0.0  # exact where the graph is not connected
-    if len(sizes) == 1:
-        lambda_2 = graphs.algebraic_connectivity(n, lower, higher) if n <= MAX_SPECTRUM else None
-    return sorted(sizes.tolist(), reverse=True), lambda_2

@@ -1,0 +1,43 @@
+"""The lines after fes team run."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from console.team.table_command import BELOW, conclusion
+
+RESULT: dict[str, Any] = {
+    "robots": 10,
+    "links": 13,
+    "optimal_separation": 68.1138,
+    "mean_estimate_error": -0.0812,
+    "estimate_time": 12.8,
+    "separation_error_max": 0.4,
+    "separation_error_rms": 0.123,
+    "separation_time": 29.5,
+    "bodies_lost_s": 9.0,
+    "beacons": {"concealed": 0, "heard": 1000},
+}
+REPORTS = [f"robot {robot}: running" for robot in range(30)]
+
+
+@pytest.mark.parametrize("reports", [[], REPORTS])
+def test_they_fit_below_the_last_frame_with_the_headline_last(reports: list[str]) -> None:
+    lines = conclusion(RESULT, reports, Path("runs/tabletop-1"))
+    assert len(lines) <= BELOW
+    assert max(map(len, lines)) <= 80
+    assert lines[-2] == "run directory: runs/tabletop-1"
+    assert lines[-1] == "10 robots, 13 links at the end within 0.40 m of r* = 68.11 m"
+    assert ("gates: 30 reports, which --verbose shows" in lines) == bool(reports)
+
+
+def test_verbose_adds_every_report_of_the_gates() -> None:
+    short, long = (conclusion(RESULT, REPORTS, Path("runs/x"), verbose) for verbose in (False, True))
+    assert long == [*REPORTS, *short[1:]]
+
+
+def test_a_team_without_links_has_no_error() -> None:
+    lines = conclusion(RESULT | {"links": 0, "separation_time": None, "separation_error_rms": None}, [], Path("x"))
+    assert lines[-1] == "10 robots, no links"
+    assert any("rms error unknown" in line for line in lines)
