@@ -152,7 +152,7 @@ def run(
                     terminal = screen if dashboard else None
                     result = _in_process(loaded, name, pace, directory.path, terminal, recorder)
             else:
-                result = processes.run(launch, loaded, directory, view.on_screen(screen, dashboard))
+                result = processes.run(launch, loaded, directory, view.on_screen(screen, dashboard, loaded.ticks))
             if absences := result.get("unscheduled_absences"):
                 process.warn("fes", f"unscheduled absences: {absences} robot-ticks; {DISTURBED}")
             if json_:
@@ -224,8 +224,8 @@ def _in_process(
             recorder.conclude(result)
 
     if screen is None:
-        with progress.bar(name, scenario.ticks) as bar:
-            watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
+        with progress.shown(name, scenario.ticks) as bar:
+            watch = (lambda report: bar(report.tick + 1)) if bar.is_shown else None
             return inprocess.run(scenario, name, pace, watch, store, recorder)
     with live.Screen(screen, summary.BELOW) as frames:
         return inprocess.run(scenario, name, pace, frames.show, store, recorder)

@@ -9,6 +9,8 @@ import numpy as np
 from console.backends import inprocess
 from console.replay import reexecution
 from console.replay.log import Log
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import Telemetry
@@ -65,8 +67,8 @@ class Moment(Protocol):
         """Telemetry of the robots."""
 
 
-def follow(scenario: Scenario) -> History:
-    """Run a scenario in process, and return its history."""
+def follow(scenario: Scenario, watch: Watch = counting.ignore) -> History:
+    """Run a scenario in process, and return its history; `watch` is called with the completed ticks."""
     metrics = MetricsCollector(scenario)
 
     def accounted() -> Iterator[tuple[Moment, MetricsCollector]]:
@@ -74,15 +76,20 @@ def follow(scenario: Scenario) -> History:
             metrics.add(tick.state, tick.twists, tick.telemetry)
             yield tick, metrics
 
-    return gather(scenario, accounted())
+    return gather(scenario, accounted(), watch)
 
 
-def recorded(log: Log) -> History:
-    """The history of a recorded run; Reports and summary are compared where `viewed` does, the digest included."""
-    return gather(log.scenario, reexecution.viewed(log))
+def recorded(log: Log, watch: Watch = counting.ignore) -> History:
+    """The history of a recorded run, as `follow`.
+
+    Reports and summary are compared where `viewed` does, the digest included.
+    """
+    return gather(log.scenario, reexecution.viewed(log), watch)
 
 
-def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
+def gather(
+    scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]], watch: Watch = counting.ignore
+) -> History:
     """The history of at least one tick, each with the metrics up to it."""
     last = MetricsCollector(scenario)
     poses, links, rows, team = [], [], [], []
@@ -90,6 +97,7 @@ def gather(scenario: Scenario, moments: Iterable[tuple[Moment, MetricsCollector]
         last = metrics
         telemetry = tick.telemetry
         poses.append(tick.state.poses)
+        watch(len(poses))
         links.append(telemetry.links)
         total = float(np.abs(telemetry.estimates - metrics.optimal).sum()) if len(telemetry.links) else np.nan
         largest = float(np.abs(metrics.separation - metrics.optimal).max()) if len(links[-1]) else np.nan

@@ -8,7 +8,8 @@ from rich.console import Console
 from console.connect import observer
 from console.dashboard import live
 from console.dashboard.summary import BELOW
-from console.terminal import progress
+from console.terminal import printing, progress
+from console.terminal.formatting import length
 from console.terminal.printing import is_screen
 from fes.protocol import keys
 from fes.protocol.report import Report
@@ -21,11 +22,11 @@ View = Callable[[Endpoints], Coroutine[None, None, None]]
 """Shows a run to a person, as an observer with these endpoints, until the run is over."""
 
 
-def on_screen(console: Console, dashboard: bool) -> View | None:
-    """A view in a terminal: the dashboard, or a line of progress; None if the console is not a terminal."""
-    if not is_screen(console):
-        return None
-    return partial(_show_dashboard if dashboard else _show_progress, console)
+def on_screen(console: Console, dashboard: bool, ticks: int) -> View | None:
+    """A view in a terminal: the dashboard on `console`, or a bar of `ticks` on standard error; None without one."""
+    if dashboard:
+        return partial(_show_dashboard, console) if is_screen(console) else None
+    return partial(_show_progress, ticks) if is_screen(printing.console(stderr=True)) else None
 
 
 def of_reports(watch: Callable[[Report], None]) -> View:
@@ -46,13 +47,12 @@ async def _show_dashboard(console: Console, endpoints: Endpoints) -> None:
             await live.watch(session, RUN, endpoints.timeout, screen)
 
 
-async def _show_progress(console: Console, endpoints: Endpoints) -> None:
-    with progress.status(console, "waiting for the robots") as status:
+async def _show_progress(ticks: int, endpoints: Endpoints) -> None:
+    with progress.drawn("waiting for the robots", ticks) as bar:
 
         def show(report: Report) -> None:
-            status.name(
-                f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
-                f"largest separation error {report.separation_error_max:.3f} m"
-            )
+            bar.name("running")
+            bar(report.tick + 1)
+            bar.note(f"largest error {length(report.separation_error_max)}")
 
         await of_reports(show)(endpoints)

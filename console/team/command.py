@@ -20,7 +20,7 @@ from console.dashboard.command import Picture
 from console.team import gates, observer, permit, status
 from console.team.merge import Team
 from console.team.recorder import TeamRecorder
-from console.terminal import printing
+from console.terminal import printing, progress
 from fes import command_line, process
 from fes.protocol import keys
 from fes.protocol.report import Report
@@ -59,7 +59,8 @@ def show_status(
     """Print the state of each robot: gate, agent, pose, links and estimate."""
 
     async def show(session: Bus) -> int:
-        states = await status.collect(session, run, await _chosen(session, run, robots))
+        with progress.waiting("asking the gates and the robots"):
+            states = await status.collect(session, run, await _chosen(session, run, robots))
         if json_:
             print(strict_json.dumps(status.tables(states), indent=2))
         else:
@@ -107,7 +108,8 @@ def stop(
     """Stop the robots; the exit code is 1 unless each gate confirms it."""
 
     async def end(session: Bus) -> int:
-        return _code(await permit.stop(session, run, await _chosen(session, run, robots), _say, longest))
+        with progress.waiting("stopping the robots"):
+            return _code(await permit.stop(session, run, await _chosen(session, run, robots), _say, longest))
 
     endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
     _leave(endpoints, end, needs_its_end=True)
