@@ -5,15 +5,12 @@ from typing import Annotated
 
 import typer
 
-from console.connect import run_directory
-from console.connect.options import Cfg, Config, Connect, ObserverKeys, Run
-from console.connect.run_directory import Client
+from console.connect.reach import Reach, reaching
 from console.dashboard import live
 from console.terminal import printing
 from fes import command_line, process
 from fes.errors import Unavailable
 from fes.protocol import keys
-from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.identity import OBSERVER
 
@@ -23,30 +20,24 @@ LOOK = 2.0
 Picture = Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")]
 
 
+@reaching(OBSERVER)
 def view(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: ObserverKeys = None,
-    run: Run = keys.DEFAULT_RUN,
+    reach: Reach,
     picture: Picture = None,
     timeout: Annotated[
         float, typer.Option(min=1e-3, max=command_line.YEAR, help="Longest wait for the world [s].")
     ] = 30.0,
 ) -> int:
     """Show the dashboard of a running run (by default the latest one started in this folder)."""
-    client = Client(OBSERVER, certificates, run, timeout)
-    endpoints = run_directory.endpoints(client, connect, config, cfg)
     screen = printing.console()
 
-    async def show() -> int:
-        async with bus.opened(endpoints) as session:
-            await refuse_real_robots(session, run)
-            with live.Screen(screen) as frames, live.saved(frames, picture, "fes view"):
-                await live.watch(session, run, timeout, frames)
+    async def show(session: Bus) -> int:
+        await refuse_real_robots(session, reach.run)
+        with live.Screen(screen) as frames, live.saved(frames, picture, "fes view"):
+            await live.watch(session, reach.run, timeout, frames)
         return process.SUCCESS
 
-    process.leave("fes", show)
+    reach.leave(timeout, show)
 
 
 async def refuse_real_robots(session: Bus, run: str) -> None:

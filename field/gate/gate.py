@@ -47,7 +47,7 @@ MAX_OPERATORS = 256
 
 
 class Order(NamedTuple):
-    """A command of the agent, in the law's units."""
+    """A command from the agent, in the law's units."""
 
     sequence: int
     computed_at: float
@@ -93,7 +93,7 @@ class Gate(NamedTuple):
 
 
 def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
-    """The gate after a command of the agent has arrived at `now` [s]."""
+    """The gate after a command from the agent has arrived at `now` [s]."""
     if gate.heard_at < order.heard_at <= now:
         gate = gate._replace(heard_at=order.heard_at)
     linear, angular = frames.to_body_twist(settings.placement, order.linear, order.angular)
@@ -176,7 +176,7 @@ def updated(gate: Gate, settings: Settings, now: float, late: float) -> Gate:
     if gate.latch or hold:
         gate = _forgotten(gate)._replace(since=now)
     elif not now - gate.computed_at <= timing.timeout:
-        hold = f"no command of the agent for {timing.timeout:g} s"
+        hold = f"no command from the agent for {timing.timeout:g} s"
     wanted = ZERO if gate.latch or hold else gate.wanted
     dt = max(0.0, min(now - gate.updated, timing.period + timing.lateness))
     twist = (

@@ -192,7 +192,7 @@ def test_a_robot_is_held_while_its_agent_is_silent_and_then_resumes() -> None:
             await start(on)
             async with driving(link, 0.1):
                 await on.speed(lambda linear: linear >= 0.1)
-            assert await on.reason(HELD) == "no command of the agent for 0.5 s"
+            assert await on.reason(HELD) == "no command from the agent for 0.5 s"
             await on.speed(lambda linear: linear == 0.0)
             async with driving(link, -0.1):
                 await on.speed(lambda linear: linear <= -0.1)

@@ -128,7 +128,7 @@ def test_the_robot_stands_after_the_timeout_and_its_braking_time_when_the_agent_
     assert rig.now - since <= timing.timeout + limits.linear / limits.acceleration + 2 * PERIOD + ROUNDING
     bound = 0.2**2 / (2 * limits.acceleration) + 0.2 * (timing.timeout + 2 * PERIOD)
     assert 0 < rig.pose[0] - start <= bound
-    assert (rig.status.mode, rig.status.reason) == (HELD, "no command of the agent for 0.25 s")
+    assert (rig.status.mode, rig.status.reason) == (HELD, "no command from the agent for 0.25 s")
     rig.run(0.5, 0.1)
     assert rig.status.mode == RUNNING
 
