@@ -69,10 +69,10 @@ def reaching(role: str) -> Callable[[Callable[..., int]], Callable[..., int]]:
         def reached(**given: Any) -> int:
             return command(Reach(role, **{name: given.pop(name) for name in flags}), **given)
 
-        _, *named = inspect.signature(command, eval_str=True).parameters.values()
-        named = [given.replace(kind=inspect.Parameter.KEYWORD_ONLY) for given in named]
-        arguments = [given for given in named if given.default is inspect.Parameter.empty]
-        parameters = [*arguments, *own, *named[len(arguments) :]]
+        _, *declared = inspect.signature(command, eval_str=True).parameters.values()
+        declared = [given.replace(kind=inspect.Parameter.KEYWORD_ONLY) for given in declared]
+        arguments = [given for given in declared if given.default is inspect.Parameter.empty]
+        parameters = [*arguments, *own, *declared[len(arguments) :]]
         reached.__name__, reached.__doc__ = command.__name__, command.__doc__
         reached.__annotations__ = {each.name: each.annotation for each in parameters}
         reached.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]

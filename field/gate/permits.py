@@ -1,7 +1,7 @@
 """The operator's permission to move: Permits of one operator at a time, each counted once, and only if it is young.
 
 The clocks of gate and operator differ by an unknown offset. So the age of a Permit is its delay beyond that of the
-operator's fastest one, as far as the two clocks agree on the time between both.
+fastest Permit of its operator.
 """
 
 import math
@@ -27,19 +27,19 @@ class Heard(NamedTuple):
     """The highest number."""
     offset: float
     """Arrival on the gate's clock less sending on the operator's, of the fastest Permit [s]."""
-    at: float
+    arrival: float
     """Time of the last arrival [s]."""
 
 
 class Permits(NamedTuple):
     """The Permits that a gate has heard."""
 
-    at: float = -math.inf
+    arrival: float = -math.inf
     """Arrival of the last one that counts [s]."""
     operator: int = -1
     """Its operator."""
     heard: dict[int, Heard] = {}  # noqa: RUF012 - replaced, never changed
-    """What is known of each operator, the most recently heard one last."""
+    """The Permits of each operator, the most recently heard one last."""
 
 
 def received(permits: Permits, longest: float, now: float, permit: Permit) -> Permits:
@@ -53,8 +53,8 @@ def received(permits: Permits, longest: float, now: float, permit: Permit) -> Pe
     if known is not None and permit.sequence <= known.sequence:
         return permits
     offset = fastest = now - permit.sent_at / 1e9
-    if known is not None and now - known.at <= PAUSE:
-        fastest = min(offset, known.offset + DRIFT * (now - known.at))
+    if known is not None and now - known.arrival <= PAUSE:
+        fastest = min(offset, known.offset + DRIFT * (now - known.arrival))
     others = [entry for entry in permits.heard.items() if entry[0] != permit.operator]  # none of them holds now
     heard = dict([*others[1 - MAX_OPERATORS :], (permit.operator, Heard(permit.sequence, fastest, now))])
     if offset - fastest > longest:
@@ -64,4 +64,4 @@ def received(permits: Permits, longest: float, now: float, permit: Permit) -> Pe
 
 def is_held(permits: Permits, longest: float, now: float) -> bool:
     """True if the robot may move at `now` [s]."""
-    return now - permits.at <= longest
+    return now - permits.arrival <= longest

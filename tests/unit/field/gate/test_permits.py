@@ -78,10 +78,10 @@ def test_clocks_that_drift_for_a_day_are_not_an_age(drift: float) -> None:
     for sequence in range(86_400):
         now = float(sequence)
         known = permits.received(known, 1.0, now, Permit(1, sequence, round(SECOND * (now * (1 + drift) + 1000))))
-        assert known.at == now
+        assert known.arrival == now
 
 
 def test_the_clock_of_an_operator_whose_machine_slept_is_compared_anew() -> None:
     known = permits.received(Permits(), 1.0, 0.0, Permit(1, 0, 5 * SECOND))
     known = permits.received(known, 1.0, 3600.0, Permit(1, 1, 6 * SECOND))
-    assert known.at == 3600.0
+    assert known.arrival == 3600.0
