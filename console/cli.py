@@ -225,8 +225,8 @@ def _in_process(
             recorder.conclude(result)
 
     if screen is None:
-        with progress.bar(name, scenario.ticks) as bar:
-            watch = (lambda report: bar.reach(report.tick + 1)) if bar.is_shown else None
+        with progress.shown(name, scenario.ticks) as bar:
+            watch = (lambda report: bar(report.tick + 1)) if bar.is_shown else None
             return inprocess.run(scenario, name, pace, watch, store, recorder)
     with live.Screen(screen, summary.below(scenario), source=source.of(scenario)) as frames:
         return inprocess.run(scenario, name, pace, frames.show, store, recorder)

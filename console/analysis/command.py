@@ -1,5 +1,6 @@
 """The commands that show evidence: fes plot and fes claims."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,18 +15,23 @@ from console.connect.options import Use
 from console.replay import log as logs
 from console.replay import recorded
 from console.replay.log import Log
-from console.terminal import printing, progress
+from console.terminal import counting, printing, progress
 from fes import process
 from fes.errors import FesError, reason
 from fes.recording import reader
 from fes.system import fingerprint, strict_json
 from world.config import builtin
-from world.config.scenario import load
+from world.config.scenario import Scenario, load
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAPER, MEASURED, TEAM = "paper", "measured", "team"
+
+AGAIN = "executing the run again"
+
+Drawings = Mapping[str, Callable[[], "Figure"]]
+"""Name of a figure -> a function that draws it."""
 
 ENDS = {
     "two nearest": "paper",
@@ -46,30 +52,19 @@ def plot(
     use: Use = None,
 ) -> int:
     """Draw figures as PNG and SVG: the paper's Figs. 1, 3, 5 and 6, beacon counts, final configurations, or a run."""
+    directory = out or Path("figures")
     if animate is not None:
         return _animate(target, animate, out)
-    with progress.bar("figures") as bar:
-        if target == PAPER:
-            directory, drawn = out or Path("figures"), _paper_figures(bar)
-        elif target == MEASURED:
-            bar.note("many seeds of robots that count beacons")
-            learning = convergence_study.learn(builtin.FOLDER)
-            directory, drawn = out or Path("figures"), {"measured": figures.learning_figure(learning)}
-        elif target == TEAM:
-            directory, drawn = out or Path("figures"), {"team": team_figures.ends_figure(_ends(bar))}
-        else:
-            bar.note("executing the run again")
-            source = Path(target)
-            directory, drawn = out or (source.parent if source.is_file() else source), _run_figures(source)
-        written = []
-        try:
-            directory.mkdir(parents=True, exist_ok=True)
-            for name, figure in drawn.items():
-                bar.note(name)
-                written += figures.save(figure, directory / name)
-        except OSError as error:
-            raise FesError(f"cannot write figures: {reason(error)}") from None
-    for path in written:
+    if target == PAPER:
+        drawings = _of_paper()
+    elif target == MEASURED:
+        drawings = _of_measured()
+    elif target == TEAM:
+        drawings = _of_ends()
+    else:
+        source = Path(target)
+        directory, drawings = out or (source.parent if source.is_file() else source), _of_run(source)
+    for path in _drawn(drawings, directory):
         printing.line(path)
     return process.SUCCESS
 
@@ -82,11 +77,11 @@ def show_claims(
     if name is not None and name not in claims.CLAIMS:
         raise FesError(f"no claim '{name}'; the claims are {', '.join(claims.CLAIMS)}")
     wanted, results = [name] if name else list(claims.CLAIMS), {}
-    with progress.bar("claims", len(wanted)) as bar:
-        for key in wanted:
+    with progress.shown("computing", len(wanted), "claims") as bar:
+        for number, key in enumerate(wanted):
+            bar(number)
             bar.note(key)
             results[key] = claims.CLAIMS[key]()
-            bar.advance()
     if json_:
         print(strict_json.dumps(results))
         return process.SUCCESS
@@ -108,45 +103,73 @@ def _animate(target: str, path: Path, out: Path | None) -> int:
     if out is not None:
         raise FesError(f"--animate names its own file: omit --out {out}")
     animation.check(path)
-    with progress.bar("animation") as bar:
-        bar.note("executing the run again")
-        seen = _history(Path(target))
-        bar.measure(len(animation.playback(seen, path).ticks))
-        bar.note("frames")
-        animation.write(seen, path, bar.reach)
+    seen = _history(Path(target))
+    with progress.shown("drawing", len(animation.playback(seen, path).ticks), "frames") as watch:
+        animation.write(seen, path, watch)
     printing.line(path)
     return process.SUCCESS
 
 
-def _paper_figures(bar: progress.Bar) -> "dict[str, Figure]":
-    bar.note("the paper's run")
-    seen = history.follow(load(builtin.file_of("paper")))
-    bar.note("the same run with other steps")
+def _drawn(drawings: Drawings, directory: Path) -> list[Path]:
+    """The files of these figures, drawn one after the other; raises FesError if they cannot be written."""
+    written: list[Path] = []
+    with progress.shown("drawing", len(drawings), "figures") as bar:
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+            for number, (name, draw) in enumerate(drawings.items()):
+                bar(number)
+                bar.note(name)
+                written += figures.save(draw(), directory / name)
+        except OSError as error:
+            raise FesError(f"cannot write figures: {reason(error)}") from None
+    return written
+
+
+def _of_paper() -> Drawings:
+    seen = _followed("the paper's run", load(builtin.file_of("paper")))
+    neighborhood = load(builtin.file_of("neighborhood"))
+    steps = step_study.seeking_steps(), step_study.tick_steps()
+    with progress.shown("other steps", sum(steps), "steps") as watch:
+        seeking, closed = counting.parts(watch, *steps)
+        errors = step_study.seeking_errors(seeking), step_study.tick_errors(neighborhood, watch=closed)
     return {
-        "fig1-outage": figures.outage_figure(),
-        "fig3-index": figures.index_figure(),
-        "fig5-formation": figures.formation_figure(seen),
-        "fig6-convergence": figures.convergence_figure(seen),
-        "steps": figures.step_figure(
-            step_study.seeking_errors(), step_study.tick_errors(load(builtin.file_of("neighborhood")))
-        ),
+        "fig1-outage": figures.outage_figure,
+        "fig3-index": figures.index_figure,
+        "fig5-formation": lambda: figures.formation_figure(seen),
+        "fig6-convergence": lambda: figures.convergence_figure(seen),
+        "steps": lambda: figures.step_figure(*errors),
     }
 
 
-def _ends(bar: progress.Bar) -> dict[str, History]:
-    """The runs of ENDS, with their team index."""
-    runs = {}
-    for title, name in ENDS.items():
-        bar.note(f"the run of {name}")
-        runs[title] = history.follow(load(builtin.file_of(name), {"objective.team_index": True}))
-    return runs
+def _of_measured() -> Drawings:
+    runs = convergence_study.study(builtin.FOLDER)
+    with progress.shown("many seeds", runs.ticks) as watch:
+        learning = convergence_study.learn(runs, watch)
+    return {"measured": lambda: figures.learning_figure(learning)}
 
 
-def _run_figures(target: Path) -> "dict[str, Figure]":
+def _of_ends() -> Drawings:
+    """The figure of the runs of ENDS, with their team index."""
+    overrides = {"objective.team_index": True}
+    runs = {title: _followed(name, load(builtin.file_of(name), overrides)) for title, name in ENDS.items()}
+    return {"team": lambda: team_figures.ends_figure(runs)}
+
+
+def _of_run(target: Path) -> Drawings:
     """The figures of a run."""
     seen = _history(target)
-    team = {"team": team_figures.team_figure(seen)} if seen.team.size else {}
-    return {"formation": figures.formation_figure(seen), "convergence": figures.convergence_figure(seen), **team}
+    team = {"team": lambda: team_figures.team_figure(seen)} if seen.team.size else {}
+    return {
+        "formation": lambda: figures.formation_figure(seen),
+        "convergence": lambda: figures.convergence_figure(seen),
+        **team,
+    }
+
+
+def _followed(title: str, scenario: Scenario, name: str = "") -> History:
+    """The history of a run in process."""
+    with progress.shown(title, scenario.ticks) as watch:
+        return history.follow(scenario, name, watch)
 
 
 def _history(target: Path) -> History:
@@ -162,7 +185,8 @@ def _recorded(log: Log) -> History:
         process.complain("fes", complaint)
     if (note := recorded.other_digits(log)) is not None:
         process.warn("fes", note)
-    return history.recorded(log)
+    with progress.shown(AGAIN, logs.length(log)) as watch:
+        return history.recorded(log, watch)
 
 
 def _executed_again(directory: Path) -> History:
@@ -176,7 +200,8 @@ def _executed_again(directory: Path) -> History:
         raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")
     run = loaded.run.model_copy(update={"duration": ticks * loaded.run.dt})
     name = summary.get("scenario")
-    run_history = history.follow(loaded.model_copy(update={"run": run}), name if isinstance(name, str) else "")
+    again = loaded.model_copy(update={"run": run})
+    run_history = _followed(AGAIN, again, name if isinstance(name, str) else "")
     if run_history.digest != summary["digest"]:
         current = f"this is {recorded.own_origin()}"
         try:

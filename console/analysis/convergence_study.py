@@ -3,11 +3,13 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from console.backends import stacked
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.arrays.types import Floats
 from fes.model import objective, outage
 from fes.model.table import Use
@@ -52,12 +54,34 @@ class Learning:
     """Lower bound of the standard deviation of unbiased estimators, since the start or the change [t] [m]."""
 
 
-def learn(configs: Path, runs: int = 20, fed: int = 3) -> Learning:
-    """Run `measured.toml` with a channel that changes over `runs` seeds, and (18) fed with samples over `fed`."""
+class Study(NamedTuple):
+    """The runs of the figure."""
+
+    counted: list[Scenario]
+    """Robots that count beacons."""
+    fed: list[Scenario]
+    """(18) fed with samples."""
+
+    @property
+    def ticks(self) -> int:
+        """Ticks of all runs."""
+        return sum(scenario.ticks for scenario in (*self.counted, *self.fed))
+
+
+def study(configs: Path, runs: int = 20, fed: int = 3) -> Study:
+    """`measured.toml` with a channel that changes over `runs` seeds, and (18) fed with samples over `fed`."""
     path = configs / "measured.toml"
-    counted = [load(path, {**HALVED, "run.seed": seed}) for seed in range(runs)]
-    fed_scenarios = [load(path, {**HALVED, **FED, "run.seed": seed}) for seed in range(fed)]
-    errors, fed_errors = _errors(counted), _errors(fed_scenarios)
+    return Study(
+        [load(path, {**HALVED, "run.seed": seed}) for seed in range(runs)],
+        [load(path, {**HALVED, **FED, "run.seed": seed}) for seed in range(fed)],
+    )
+
+
+def learn(runs: Study, watch: Watch = counting.ignore) -> Learning:
+    """The runs of a study; `watch` is called with their completed ticks."""
+    counted, _ = runs
+    first, second = counting.parts(watch, sum(scenario.ticks for scenario in counted), 0)
+    errors, fed_errors = _errors(counted, first), _errors(runs.fed, second)
     time: Floats = counted[0].run.dt * np.arange(errors.shape[1], dtype=np.float64)
     since = np.where(time < CHANGE, time, time - CHANGE) + counted[0].run.dt
     return Learning(time, errors, fed_errors, np.sqrt(time_to_one_meter(counted[0], LINKS) / since))
@@ -85,13 +109,14 @@ def time_to_one_meter(scenario: Scenario, links: int, quality_weight: float = 1.
     return (1.0 - p) / p / (links / scenario.run.dt * excited * curvature**2)
 
 
-def _errors(scenarios: list[Scenario]) -> Floats:
+def _errors(scenarios: list[Scenario], watch: Watch) -> Floats:
     """Mean estimate minus r* [runs, t] [m]; NaN before the first estimate."""
     rows, channel, best = [], None, math.nan
-    for together in stacked.ticks(scenarios):
+    for number, together in enumerate(stacked.ticks(scenarios), 1):
         now = together[0].state.channel  # all runs change at the same time
         if now is not channel:
             channel, best = now, optimal_separation(scenarios[0].objective, now)
+        watch(number * len(scenarios))
         estimates_by_run = [tick.beacons.estimates for tick in together]
         rows.append(
             [float(estimates.mean()) - best if len(estimates) else math.nan for estimates in estimates_by_run]

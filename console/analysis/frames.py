@@ -7,7 +7,7 @@ import numpy as np
 
 from console.analysis import history
 from console.analysis.history import History
-from console.dashboard import map_panel
+from console.dashboard.panels import map_panel
 from fes.arrays.types import Floats, Ints
 from fes.model.table import Use, chosen
 

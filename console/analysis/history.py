@@ -11,6 +11,8 @@ from console.analysis.run_events import Event
 from console.backends import inprocess
 from console.replay import reexecution
 from console.replay.log import Log
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.arrays.edges import Edges
 from fes.arrays.types import Bools, Floats, Ints
 from fes.model.sensing import Telemetry
@@ -83,8 +85,8 @@ class Moment(Protocol):
         """Telemetry of the robots."""
 
 
-def follow(scenario: Scenario, name: str = "") -> History:
-    """Run a scenario in process, and return its history."""
+def follow(scenario: Scenario, name: str = "", watch: Watch = counting.ignore) -> History:
+    """Run a scenario in process, and return its history; `watch` is called with the completed ticks."""
     metrics = MetricsCollector(scenario)
 
     def accounted() -> Iterator[tuple[Moment, MetricsCollector]]:
@@ -92,15 +94,23 @@ def follow(scenario: Scenario, name: str = "") -> History:
             metrics.add(tick.state, tick.twists, tick.telemetry)
             yield tick, metrics
 
-    return gather(scenario, name, accounted())
+    return gather(scenario, name, accounted(), watch)
 
 
-def recorded(log: Log) -> History:
-    """The history of a recorded run; Reports and summary are compared where `viewed` does, the digest included."""
-    return gather(log.scenario, log.name, reexecution.viewed(log))
+def recorded(log: Log, watch: Watch = counting.ignore) -> History:
+    """The history of a recorded run, as `follow`.
+
+    Reports and summary are compared where `viewed` does, the digest included.
+    """
+    return gather(log.scenario, log.name, reexecution.viewed(log), watch)
 
 
-def gather(scenario: Scenario, name: str, moments: Iterable[tuple[Moment, MetricsCollector]]) -> History:
+def gather(
+    scenario: Scenario,
+    name: str,
+    moments: Iterable[tuple[Moment, MetricsCollector]],
+    watch: Watch = counting.ignore,
+) -> History:
     """The history of at least one tick, each with the metrics up to it."""
     last = MetricsCollector(scenario)
     poses, links, losses, present, rows, team = [], [], [], [], [], []
@@ -109,6 +119,7 @@ def gather(scenario: Scenario, name: str, moments: Iterable[tuple[Moment, Metric
         last = metrics
         telemetry = tick.telemetry
         poses.append(tick.state.poses)
+        watch(len(poses))
         links.append(telemetry.links)
         losses.append(report_builder.link_outage(metrics))
         present.append(tick.state.present)

@@ -109,7 +109,10 @@ def call(work: Work, function: Callable[[], T], show: Show | None) -> T:
     except BaseException as interrupt:
         work.stop()
         if thread.ident is not None:
-            thread.join()
+            try:
+                thread.join()
+            except RuntimeError:  # the interrupt came within start: the thread may run, and ends at its next tick
+                running.acquire(timeout=PERIOD)
         error = outcome.exception() if outcome.done() else None
         if isinstance(error, Stopped):
             interrupt.add_note(str(error))

@@ -31,7 +31,7 @@ def shown(wanted: Progress, title: str, total: int) -> Iterator[Show | None]:
             yield show
     elif printing.is_screen(printing.console(stderr=True)):
         with progress.drawn(printable(title), total or None) as bar:
-            yield lambda done, total: bar.reach(done)
+            yield lambda done, total: bar(done)
     else:
         yield None
 

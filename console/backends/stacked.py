@@ -7,7 +7,7 @@ for ten robots.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,8 @@ from agents.control.state import Crew
 from agents.runtime.crew_run import CrewRun
 from console.backends import inprocess
 from console.backends.inprocess import Tick
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.arithmetic import draws
 from fes.arrays.edges import Edges
 from fes.arrays.types import Floats, Ints
@@ -37,18 +39,17 @@ def alike(scenario: Scenario) -> tuple[AgentConfig, int]:
     return agent_config(scenario).model_copy(update={"seed": 0}), scenario.ticks
 
 
-def run(scenarios: Sequence[Scenario], name: str, watch: Callable[[int], None] | None = None) -> list[dict[str, Any]]:
+def run(scenarios: Sequence[Scenario], name: str, watch: Watch = counting.ignore) -> list[dict[str, Any]]:
     """The summaries of runs that are alike; each equals that of `console.backends.inprocess.run`, wall clock aside.
 
-    `watch`, if given, is called after each tick with the number of finished ticks of all runs.
+    `watch` is called after each tick with the number of finished ticks of all runs.
     """
     metrics = [MetricsCollector(scenario) for scenario in scenarios]
     begun = time.perf_counter()
     for number, together in enumerate(ticks(scenarios), 1):
         for collector, tick in zip(metrics, together, strict=True):
             collector.add(tick.state, tick.twists, tick.telemetry)
-        if watch is not None:
-            watch(number * len(scenarios))
+        watch(number * len(scenarios))
     wall = time.perf_counter() - begun
     return [summary.summarize(collector, name, "inprocess", wall) for collector in metrics]
 

@@ -7,7 +7,8 @@ from rich.console import Console
 
 from console.connect import observer
 from console.dashboard import live, source, summary
-from console.terminal import progress
+from console.terminal import printing, progress
+from console.terminal.formatting import length
 from console.terminal.printing import is_screen
 from fes.protocol import keys
 from fes.protocol.report import Report
@@ -22,11 +23,11 @@ View = Callable[[Endpoints], Coroutine[None, None, None]]
 
 
 def on_screen(console: Console, dashboard: bool, scenario: Scenario) -> View | None:
-    """A view in a terminal: the dashboard, or a line of progress; None if the console is not a terminal."""
+    """A view in a terminal: the dashboard on `console`, or a bar of ticks on standard error; None without one."""
+    if not dashboard:
+        return partial(_show_progress, scenario.ticks) if is_screen(printing.console(stderr=True)) else None
     if not is_screen(console):
         return None
-    if not dashboard:
-        return partial(_show_progress, console)
     return partial(_show_dashboard, live.Screen(console, summary.below(scenario), source=source.of(scenario)))
 
 
@@ -48,13 +49,12 @@ async def _show_dashboard(screen: live.Screen, endpoints: Endpoints) -> None:
             await live.watch(session, RUN, endpoints.timeout, screen)
 
 
-async def _show_progress(console: Console, endpoints: Endpoints) -> None:
-    with progress.status(console, "waiting for the robots") as status:
+async def _show_progress(ticks: int, endpoints: Endpoints) -> None:
+    with progress.drawn("waiting for the robots", ticks) as bar:
 
         def show(report: Report) -> None:
-            status.name(
-                f"tick {report.tick} of {report.ticks}, {report.ticks_per_s:.0f} ticks/s, "
-                f"largest separation error {report.separation_error_max:.3f} m"
-            )
+            bar.name("running")
+            bar(report.tick + 1)
+            bar.note(f"largest error {length(report.separation_error_max)}")
 
         await of_reports(show)(endpoints)

@@ -33,8 +33,9 @@ def check(
         chosen = subject.of(extension, kind, parameters)
         printing.line(chosen.title)
         is_kept = True
-        with progress.waiting("checking") as _:
-            for finding in rules.findings(chosen):
+        with progress.drawn("checking", rules.count(chosen), "rules") as watch:
+            for number, finding in enumerate(rules.findings(chosen), 1):
+                watch(number)
                 is_kept &= not finding.failure
                 failure = finding.failure.removeprefix(f"{chosen.title}: {finding.rule}: ")
                 printing.line(f"{'failed' if failure else 'ok':8}{finding.rule:12}{failure or finding.text}")

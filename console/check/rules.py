@@ -32,12 +32,14 @@ class Rule(NamedTuple):
     """True for a rule that concerns only extensions that robots execute."""
 
 
+def _concerning(checked: Subject) -> list[Rule]:
+    return [rule for rule in RULES if checked.is_law or not rule.is_of_laws]
+
+
 def findings(checked: Subject) -> Iterator[Finding]:
     """The result of each rule that concerns the extension; they end with the first two if one of those is broken."""
     case = Case(checked)
-    for number, rule in enumerate(RULES):
-        if rule.is_of_laws and not checked.is_law:
-            continue
+    for number, rule in enumerate(_concerning(checked)):
         try:
             failure = rule.check(case)
         except FesError as error:
@@ -46,6 +48,11 @@ def findings(checked: Subject) -> Iterator[Finding]:
         yield Finding(rule.name, rule.text, f"{checked.title}: {rule.name}: {failure}" if failure else "")
         if failure and number < 2:
             return
+
+
+def count(checked: Subject) -> int:
+    """Number of rules that concern the extension."""
+    return len(_concerning(checked))
 
 
 def failures(extension: str | type, kind: str | None, parameters: dict[str, Any]) -> list[str]:

@@ -2,6 +2,7 @@
 
 run_directory  run directories: files, and the address of a running run
 observer       the reports of a running world
+reach          a run as the flags of a command name it, and a session with it
 options        arguments and flags that several commands share
 set_command    the command fes set
 """

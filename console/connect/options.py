@@ -57,4 +57,5 @@ Cfg = Annotated[list[str] | None, _option(network_flags.CFG)]
 Run = Annotated[str, _option(network_flags.RUN)]
 
 ObserverKeys = Annotated[Path | None, _keys(OBSERVER)]
-OperatorKeys = Annotated[Path | None, _keys(OPERATOR)]
+KEYS: dict[str, Any] = {OBSERVER: ObserverKeys, OPERATOR: Annotated[Path | None, _keys(OPERATOR)]}
+"""The flag --keys by the role of the certificate."""

@@ -7,9 +7,7 @@ from typing import Annotated
 
 import typer
 
-from console.connect import run_directory
-from console.connect.options import Cfg, Config, Connect, ObserverKeys, Run
-from console.connect.run_directory import Client
+from console.connect.reach import Reach, reaching
 from console.dashboard import live, source
 from console.foxglove import server
 from console.terminal import printing
@@ -27,12 +25,9 @@ LOOK = 2.0
 Picture = Annotated[Path | None, typer.Option(help="Write the last frame to this SVG file.")]
 
 
+@reaching(OBSERVER)
 def view(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: ObserverKeys = None,
-    run: Run = keys.DEFAULT_RUN,
+    reach: Reach,
     picture: Picture = None,
     foxglove: Annotated[
         bool, typer.Option("--foxglove", help="Serve the topics of the log to Foxglove and Lichtblick instead.")
@@ -48,27 +43,24 @@ def view(
     ] = 30.0,
 ) -> int:
     """Show the dashboard of a running run (by default the latest one started in this folder)."""
-    client = Client(OBSERVER, certificates, run, timeout)
-    endpoints = run_directory.endpoints(client, connect, config, cfg)
     if foxglove:
         if picture is not None:
             raise FesError("--picture is a frame of the terminal, which --foxglove does not draw")
         number = server.PORT if port is None else port
-        process.leave("fes", lambda: server.serve(opened(endpoints, run), run, timeout, number))
+        session = opened(reach.endpoints(timeout), reach.run)
+        process.leave("fes", lambda: server.serve(session, reach.run, timeout, number))
     if port is not None:
         raise FesError("--port is that of --foxglove")
     screen = printing.console()
 
-    async def show() -> int:
-        async with opened(endpoints, run) as session:
-            with (
-                live.Screen(screen, source=source.of_running(run, endpoints)) as frames,
-                live.saved(frames, picture, "fes view"),
-            ):
-                await live.watch(session, run, timeout, frames)
+    async def show(session: Bus) -> int:
+        await refuse_real_robots(session, reach.run)
+        shown = live.Screen(screen, source=source.of_running(reach.run, reach.endpoints(timeout)))
+        with shown as frames, live.saved(frames, picture, "fes view"):
+            await live.watch(session, reach.run, timeout, frames)
         return process.SUCCESS
 
-    process.leave("fes", show)
+    reach.leave(timeout, show)
 
 
 @contextlib.asynccontextmanager

@@ -8,7 +8,7 @@ import typer
 
 from console.analysis import figures
 from console.fit import estimate, measurements, picture, report
-from console.terminal import printing
+from console.terminal import printing, progress
 from fes import process
 from fes.errors import FesError, reason
 from fes.system import strict_json
@@ -45,17 +45,20 @@ def fit(
     least_power = measurements.threshold(noise_floor, sensitivity, spectral_efficiency)
     if plot is not None:
         figures.require()
-    measured = measurements.read(file, least_power)
-    try:
-        fitted = estimate.fit(measured, model.value, spectral_efficiency)
-    except FesError as error:
-        raise FesError(f"{file}: {error}") from None
-    drawn: list[Path] = []
-    if plot is not None:
+    with progress.shown("reading") as bar:
+        measured = measurements.read(file, least_power)
+        bar.name("fitting")
         try:
-            drawn = figures.save(picture.figure_of(fitted, measured), plot)
-        except OSError as error:
-            raise FesError(f"cannot write the picture: {reason(error)}") from None
+            fitted = estimate.fit(measured, model.value, spectral_efficiency)
+        except FesError as error:
+            raise FesError(f"{file}: {error}") from None
+        drawn: list[Path] = []
+        if plot is not None:
+            bar.name("drawing")
+            try:
+                drawn = figures.save(picture.figure_of(fitted, measured), plot)
+            except OSError as error:
+                raise FesError(f"cannot write the picture: {reason(error)}") from None
     if json_:
         print(strict_json.dumps(report.table(fitted, measured)))
         return process.SUCCESS

@@ -70,10 +70,10 @@ def init(
     roles = [WORLD, OBSERVER, OPERATOR, *(identity.robot_role([robot]) for robot in range(robots))]
     authority = _authorities().create(YEARS_10)
     _write(keys, AUTHORITY, authority.pem)
-    with progress.bar("certificates", len(roles)) as bar:
-        for role in roles:
+    with progress.shown("issuing", len(roles), "certificates") as watch:
+        for number, role in enumerate(roles, 1):
             _issue(authority, keys, [role], days, hosts)
-            bar.advance()
+            watch(number)
     printing.line(f"{keys}: an authority and {len(roles)} certificates, valid for {days:g} days")
     return process.SUCCESS
 

@@ -1,7 +1,6 @@
 """The command fes replay: show a recorded run, or execute it again and compare."""
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +12,8 @@ from console.replay import log as logs
 from console.replay import player, recorded, reexecution, robot_logs
 from console.replay.log import Log
 from console.replay.robots import ReplayedRobots
-from console.terminal import printing, progress
+from console.terminal import counting, printing, progress
+from console.terminal.counting import Watch
 from fes import process
 from fes.errors import FesError
 from fes.recording.layout import AT_ITS_END
@@ -43,13 +43,13 @@ def replay(
     extensions.check(log.scenario, log.extensions, str(log.path))
     screen = printing.console(stderr=json_)
     if robot is not None:
-        with progress.bar(f"robot {robot}, executed again", _length(log)) as bar:
-            ticks = rerun_robot(log, robot, bar.advance)
+        with progress.shown(f"robot {robot}", logs.length(log)) as watch:
+            ticks = rerun_robot(log, robot, watch)
         _print(json_, {"robot": robot, "ticks": ticks}, f"robot {robot}, executed again", ticks)
     elif all_ or json_ or headless or not (printing.is_screen(screen) and _has_keyboard()):
         title = f"the world{' and all robots' if all_ else ''}, executed again"
-        with progress.bar(title, _length(log)) as bar:
-            result = rerun(log, all_, bar.advance)
+        with progress.shown("world and robots" if all_ else "world", logs.length(log)) as watch:
+            result = rerun(log, all_, watch)
         if not json_:
             printing.show(screen, summary.render(result, verbose))
             printing.show(screen, summary.last_line(result))
@@ -67,11 +67,11 @@ def replay(
     return process.SUCCESS
 
 
-def rerun_robot(log: Log, robot: int, advance: Callable[[], None] = lambda: None) -> int:
+def rerun_robot(log: Log, robot: int, watch: Watch = counting.ignore) -> int:
     """Execute one robot again, from its recorded inputs; returns the number of ticks.
 
-    `advance` is called after each tick. Raises Mismatch where a Beacon or Command differs, and FesError if the run
-    has no such robot or the log is incomplete.
+    `watch` is called with the completed ticks. Raises Mismatch where a Beacon or Command differs, and FesError if
+    the run has no such robot or the log is incomplete.
     """
     robots = log.scenario.robots.number
     if robot >= robots:
@@ -80,37 +80,31 @@ def rerun_robot(log: Log, robot: int, advance: Callable[[], None] = lambda: None
     for tick in log.ticks():
         own.step(tick)
         ticks += 1
-        advance()
+        watch(ticks)
     return ticks
 
 
-def rerun(log: Log, all_robots: bool = False, advance: Callable[[], None] = lambda: None) -> dict[str, Any]:
+def rerun(log: Log, all_robots: bool = False, watch: Watch = counting.ignore) -> dict[str, Any]:
     """Execute the world again, and with `all_robots` all robots; returns the summary.
 
-    `advance` is called after each tick. Raises Mismatch where a message, a Report or the summary differs, and
+    `watch` is called with the completed ticks. Raises Mismatch where a message, a Report or the summary differs, and
     FesError where the log is incomplete.
     """
     robots = ReplayedRobots(log, range(log.scenario.robots.number)) if all_robots else None
     elapsed, latest = 0.0, MetricsCollector(log.scenario)
-    for moment, metrics in reexecution.accounted(log):
+    for ticks, (moment, metrics) in enumerate(reexecution.accounted(log), 1):
         if robots is not None:
             robots.step(moment.recorded)
         latest = metrics
         if moment.recorded.report is not None:
             elapsed = moment.recorded.report.elapsed
-        advance()
+        watch(ticks)
     return reexecution.summary(log, latest, elapsed)
 
 
 def _has_keyboard() -> bool:
     """True if standard input is open and a terminal."""
     return sys.stdin is not None and sys.stdin.isatty()
-
-
-def _length(log: Log) -> float:
-    """Number of ticks in a log; of the scenario if the log has no end."""
-    ticks = (log.summary or {}).get("ticks")
-    return ticks if isinstance(ticks, int) else log.scenario.ticks
 
 
 def _print(json_: bool, result: dict[str, Any], title: str, ticks: int) -> None:

@@ -11,7 +11,8 @@ from console.connect.options import Use
 from console.replay import log as logs
 from console.replay.difference import Difference, between, of_reports, of_summaries
 from console.replay.log import Log
-from console.terminal import printing, progress
+from console.terminal import counting, printing, progress
+from console.terminal.counting import Watch
 from fes import process
 from fes.errors import FesError
 from fes.protocol import keys
@@ -40,9 +41,12 @@ def compare(
     """
     first_log, second_log = logs.load(first), logs.load(second)
     chosen = None if robots is None else chosen_robots(robots, first_log.scenario.robots.number)
-    with progress.bar("comparing"):
-        settings = [] if chosen else list(of_scenarios(first_log, second_log))
-        difference = first_difference(first_log, second_log, chosen)
+    lengths = [logs.length(log) for log in (first_log, second_log)]
+    passes = [0 if chosen else sum(lengths), max(lengths)]
+    with progress.shown("comparing", sum(passes)) as bar:
+        of_settings, of_messages = counting.parts(bar, *passes)
+        settings = [] if chosen else list(of_scenarios(first_log, second_log, of_settings))
+        difference = first_difference(first_log, second_log, chosen, of_messages)
     if json_:
         fields = difference._asdict() if difference else None
         arithmetic = [dict(log.arithmetic) for log in (first_log, second_log)]
@@ -59,16 +63,18 @@ def compare(
     return process.FAILURE if settings or difference else process.SUCCESS
 
 
-def of_scenarios(first: Log, second: Log) -> Iterator[tuple[str, Any, Any]]:
+def of_scenarios(first: Log, second: Log, watch: Watch = counting.ignore) -> Iterator[tuple[str, Any, Any]]:
     """Dotted path and both values of each field in which the scenarios differ.
 
-    A setting at a tick is equal whether it was scheduled or made by an operator.
+    A setting at a tick is equal whether it was scheduled or made by an operator. `watch` is called with the ticks
+    that were read, of both logs.
     """
     a, b = (
         dict(_fields(log.scenario.model_dump(mode="json", by_alias=True, exclude={"event"}), ""))
         for log in (first, second)
     )
-    a["event"], b["event"] = _events(first), _events(second)
+    watches = counting.parts(watch, logs.length(first), 0)
+    a["event"], b["event"] = (_events(log, own) for log, own in zip((first, second), watches, strict=True))
     for path in [*a, *(path for path in b if path not in a)]:
         values = a.get(path, MISSING), b.get(path, MISSING)
         if values[0] != values[1]:
@@ -84,11 +90,13 @@ def chosen_robots(texts: Iterable[str], robots: int) -> set[int]:
     return chosen
 
 
-def first_difference(first: Log, second: Log, robots: Collection[int] | None = None) -> Difference | None:
+def first_difference(
+    first: Log, second: Log, robots: Collection[int] | None = None, watch: Watch = counting.ignore
+) -> Difference | None:
     """The first tick, robot and field in which two logs differ; the end of one log is a difference, too.
 
     Reports, settings, summaries and ends are compared only if no message differs. With `robots`, only the messages of
-    these robots are compared.
+    these robots are compared. `watch` is called with the compared ticks.
     """
     deferred, ticks = None, 0
     for pair in itertools.zip_longest(first.ticks(), second.ticks()):
@@ -96,6 +104,7 @@ def first_difference(first: Log, second: Log, robots: Collection[int] | None = N
         if difference is not None:
             return difference
         deferred, ticks = deferred or _beside_messages(ticks, *pair), ticks + 1
+        watch(ticks)
     return None if robots else deferred or _of_ends(ticks - 1, first, second)
 
 
@@ -145,11 +154,12 @@ def _together(scheduled: Iterable[Setting], by_operators: Iterable[Setting]) -> 
     return list(settings.items())
 
 
-def _events(log: Log) -> list[dict[str, Any]]:
+def _events(log: Log, watch: Watch) -> list[dict[str, Any]]:
     """Events of a scenario in which all settings, scheduled and by operators, are scheduled."""
     scenario = log.scenario
     sets = {tick: list(settings.items()) for tick, settings in scenario.changes.items()}
-    for tick in log.ticks():
+    for number, tick in enumerate(log.ticks(), 1):
+        watch(number)
         if tick.changes:
             sets[tick.number] = _together(sets.get(tick.number, ()), tick.changes)
     changes = [

@@ -1,10 +1,13 @@
 """The command fes replay for logs of real robots: one file, or a folder with the files of several."""
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 from console.replay import robot_steps
-from console.terminal import printing, progress
+from console.terminal import counting, printing, progress
+from console.terminal.counting import Watch
+from console.terminal.progress import Bar
 from fes import process
 from fes.errors import FesError, Stopped
 from fes.recording import reader as run_reader
@@ -46,7 +49,8 @@ def replay(paths: list[Path], robot: int | None, json_: bool) -> int:
         log = reader.load(paths[0])
         if robot not in (None, log.header.robot):
             raise FesError(f"--robot {robot}: {log.path} is the log of robot {log.header.robot}")
-        result = _rerun(log)
+        with _shown(paths) as bar:
+            result = _rerun(log, bar)
         printing.line(strict_json.dumps(result) if json_ else _line(result))
         if log.end is not None:
             write = process.tell if json_ else printing.line
@@ -54,17 +58,22 @@ def replay(paths: list[Path], robot: int | None, json_: bool) -> int:
         if log.complaint is not None:
             raise FesError(log.complaint)
         return process.SUCCESS
-    results = [_attempt(path) for path in paths]
+    results = []
+    with _shown(paths) as bar:
+        watches = counting.parts(bar, *map(_length, paths))
+        for number, (path, watch) in enumerate(zip(paths, watches, strict=True)):
+            bar.note(f"{number}/{len(paths)} robots")
+            results.append(_attempt(path, watch))
     for line in [strict_json.dumps(results)] if json_ else map(_line, results):
         printing.line(line)
     return process.FAILURE if any("error" in result for result in results) else process.SUCCESS
 
 
-def _attempt(path: Path) -> dict[str, Any]:
+def _attempt(path: Path, watch: Watch) -> dict[str, Any]:
     """The result for one of several logs, or its fault."""
     try:
         log = reader.load(path)
-        result = _rerun(log)
+        result = _rerun(log, watch)
         if log.complaint is not None:
             raise FesError(log.complaint)
     except Stopped:
@@ -75,10 +84,21 @@ def _attempt(path: Path) -> dict[str, Any]:
     return {"log": path.name, **result, "ended": log.ended}
 
 
-def _rerun(log: RobotRecording) -> dict[str, Any]:
-    own = log.header.robot
-    with progress.bar(f"robot {own}, executed again", log.count) as bar:
-        return {"robot": own, "ticks": robot_steps.rerun(log, bar.advance)}
+def _rerun(log: RobotRecording, watch: Watch) -> dict[str, Any]:
+    return {"robot": log.header.robot, "ticks": robot_steps.rerun(log, watch)}
+
+
+def _shown(paths: list[Path]) -> AbstractContextManager[Bar]:
+    """A bar for the steps of all logs."""
+    return progress.shown("replaying", sum(map(_length, paths)))
+
+
+def _length(path: Path) -> int:
+    """Number of steps in a log as far as it is known: 0 for one without an end, or that cannot be read."""
+    try:
+        return reader.load(path).count or 0
+    except FesError:
+        return 0
 
 
 def _line(result: dict[str, Any]) -> str:

@@ -13,6 +13,8 @@ from agents.runtime.marshalling import MessageAssembler
 from console.replay.difference import of_payloads
 from console.replay.recorded import Mismatch
 from console.replay.robots import stated
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.errors import FesError, MessageError
 from fes.extension import crew_laws, evidence
 from fes.protocol import messages
@@ -23,17 +25,17 @@ from fes.recording.robot_log.reader import RecordedStep, RobotRecording
 T = TypeVar("T", Observation, Beacon)
 
 
-def rerun(recording: RobotRecording, advance: Callable[[], None] = lambda: None) -> int:
+def rerun(recording: RobotRecording, watch: Watch = counting.ignore) -> int:
     """Execute the robot of a log again; returns the number of steps.
 
-    `advance` is called after each step. Raises Mismatch where a Beacon or Command differs, and FesError where a step
-    is missing: the state after it is unknown.
+    `watch` is called with the completed steps. Raises Mismatch where a Beacon or Command differs, and FesError where
+    a step is missing: the state after it is unknown.
     """
     robot, count = ReplayedRobot(recording), 0
     for step in recording.steps():
         robot.step(step)
         count += 1
-        advance()
+        watch(count)
     return count
 
 

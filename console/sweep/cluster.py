@@ -6,14 +6,17 @@ Dask comes with the extra `cluster`, and is imported only for a sweep with --sch
 import contextlib
 import hashlib
 import logging
+import math
 import re
+import time
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from functools import partial
 from typing import TYPE_CHECKING
 
 from console.sweep import work
-from console.sweep.work import Batch, Done, Watch, Workers
+from console.sweep.work import Batch, Done, Workers
+from console.terminal.counting import Watch
 from fes.errors import FesError
 from fes.protocol.world_info import version
 from fes.system import fingerprint
@@ -25,6 +28,15 @@ if TYPE_CHECKING:
 
 PATIENCE = 10.0
 """Time limit for the scheduler's answer, and for its first worker [s]."""
+
+PERIOD = 0.1
+"""Time between two looks at the batches [s]."""
+
+REPORTING = 0.5
+"""Time between two reports of a worker [s]."""
+
+TOPIC = "fes-sweep"
+"""Topic of these reports. The scheduler keeps a bounded number of events per topic, so all sweeps have one."""
 
 
 @contextlib.contextmanager
@@ -56,19 +68,30 @@ def connected(address: str) -> Iterator[Workers]:
 
 
 def _carry_out(client: "Client", batches: Sequence[Batch], watch: Watch) -> Generator[list[Done], None, None]:
-    """Results of batches; the ticks of a batch are reported at its end."""
+    """Results of batches; each worker reports the ticks of its batch as events of the scheduler."""
     from distributed import as_completed
 
-    versions, ticks = (version(), fingerprint.text()), 0
+    ticks = {_key(batch): 0 for batch in batches}
+
+    def count(event: tuple[float, tuple[str, int]]) -> None:  # in the client's own thread: it only stores
+        key, done = event[1]
+        if key in ticks:
+            ticks[key] = max(ticks[key], done)
+
+    client.subscribe_topic(TOPIC, count)
+    versions = (version(), fingerprint.text())
     futures = [
         client.submit(_at_worker, versions, batch, key=_key(batch), retries=0, pure=False) for batch in batches
     ]
     sizes = {_key(batch): sum(scenario.ticks for scenario in batch.scenarios) for batch in batches}
     try:
-        for future in as_completed(futures, loop=client.loop):
-            yield future.result()
-            ticks += sizes[future.key]
-            watch(ticks)
+        completed = as_completed(futures, loop=client.loop)
+        while not completed.is_empty():
+            for future in completed.next_batch(block=False):
+                yield future.result()
+                ticks[future.key] = sizes[future.key]
+            watch(sum(ticks.values()))
+            time.sleep(PERIOD)
     except FesError:
         raise
     except (Exception, CancelledError) as error:
@@ -85,7 +108,23 @@ def _at_worker(versions: tuple[str, str], batch: Batch) -> list[Done]:
         raise FesError(f"a Dask worker has fes {version()}, and the sweep is of fes {package}")
     if fingerprint.text() != arithmetic:
         raise FesError(f"a Dask worker has {fingerprint.text()}, and the sweep is of {arithmetic}")
-    return work.carry_out(batch)
+    return work.carry_out(batch, _reported(_key(batch)))
+
+
+def _reported(key: str) -> Watch:
+    """On a worker: report the completed ticks of a batch to the scheduler, each REPORTING [s]."""
+    from distributed import get_worker
+
+    worker, reported = get_worker(), -math.inf
+
+    def report(done: int) -> None:
+        nonlocal reported
+        now = time.monotonic()
+        if now - reported >= REPORTING:
+            reported = now
+            worker.log_event(TOPIC, (key, done))
+
+    return report
 
 
 def _key(batch: Batch) -> str:

@@ -79,11 +79,10 @@ def _workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
 
 def _carry_out(planned: Design, finished: Ledger, workers: Workers) -> None:
     """Carry out all runs that are not in the ledger."""
-    with progress.bar(planned.name) as bar:
-        bar.measure(sum(run.scenario.ticks for run in planned.runs))
+    with progress.shown(planned.name, sum(run.scenario.ticks for run in planned.runs)) as bar:
 
         def watch(ticks: int, runs: int) -> None:
-            bar.reach(ticks)
+            bar(ticks)
             bar.note(f"{runs}/{len(planned.runs)} runs")
 
         work.finish(planned, finished.done, finished.add, workers, watch)
@@ -98,7 +97,7 @@ def _report(planned: Design, finished: Ledger, directory: Path, form: Format, pl
         if schemes is not None:
             written.append(table.write_page(directory, "schemes.md", scheme_report.markdown(schemes)))
         if plot and (schemes is not None or picture.drawable(planned, results.rows)):
-            with progress.bar("figure"):
+            with progress.shown("figure"):
                 figure = scheme_picture.schemes_figure(schemes) if schemes else _figure(results)
                 written += figures.save(figure, directory / "sweep")
     except OSError as error:

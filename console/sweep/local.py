@@ -18,7 +18,8 @@ from queue import Empty, SimpleQueue
 from types import ModuleType
 
 from console.sweep import work
-from console.sweep.work import Batch, Done, Watch, Workers
+from console.sweep.work import Batch, Done, Workers
+from console.terminal.counting import Watch
 from fes.errors import FesError
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")

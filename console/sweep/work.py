@@ -1,6 +1,7 @@
 """Batches for workers, and their results, on this machine and on a cluster."""
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Container, Generator, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,8 @@ import numpy as np
 
 from console.backends import inprocess, stacked
 from console.sweep.design import Design, SweepRun, Value
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.errors import FesError
 from fes.extension import registry
 from fes.extension.evidence import Evidence
@@ -52,14 +55,6 @@ class Batch:
     """The extensions, of which the worker must have the same source."""
 
 
-Watch = Callable[[int], None]
-"""Called periodically with the completed ticks of all runs together."""
-
-
-def ignore(ticks: int) -> None:
-    """A Watch that does nothing."""
-
-
 @dataclass(frozen=True)
 class Workers:
     """Workers on this machine or a cluster."""
@@ -67,7 +62,7 @@ class Workers:
     count: int
     """Number of batches carried out at a time."""
     carry_out: Callable[[Sequence[Batch], Watch], Generator[list[Done], None, None]]
-    """Yields the results of each batch at its end, and calls the Watch periodically."""
+    """Yields the results of each batch at its end, and calls the Watch periodically with the ticks of all batches."""
 
 
 def finish(
@@ -109,8 +104,11 @@ def batches(name: str, runs: Sequence[SweepRun], workers: int) -> list[Batch]:
     return [batch for _, group in groups for batch in _cut(name, group, workers)]
 
 
-def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
-    """Run a batch as one stack; after an error, run by run, so that only the faulty run fails."""
+def carry_out(batch: Batch, watch: Watch = counting.ignore) -> list[Done]:
+    """Run a batch as one stack; after an error, run by run, so that only the faulty run fails.
+
+    `watch` is called with the completed ticks of the batch, and begins anew after an error.
+    """
     for module in batch.use:
         registry.use(module)
     extensions.check_recorded([entry.table for entry in batch.extensions], "the sweep")
@@ -118,9 +116,8 @@ def carry_out(batch: Batch, watch: Watch = ignore) -> list[Done]:
         try:
             summaries = stacked.run(batch.scenarios, batch.name, watch)
         except FesError:
-            return [
-                _alone(batch.name, key, scenario) for key, scenario in zip(batch.keys, batch.scenarios, strict=True)
-            ]
+            watches = counting.parts(watch, *(scenario.ticks for scenario in batch.scenarios))
+            return list(map(_alone, itertools.repeat(batch.name), batch.keys, batch.scenarios, watches))
     return [Done(key, scalars(summary)) for key, summary in zip(batch.keys, summaries, strict=True)]
 
 
@@ -143,9 +140,9 @@ def scalars(summary: dict[str, Any], prefix: str = "") -> Scalars:
     return flat
 
 
-def _alone(name: str, key: str, scenario: Scenario) -> Done:
+def _alone(name: str, key: str, scenario: Scenario, watch: Watch) -> Done:
     try:
-        return Done(key, scalars(inprocess.run(scenario, name)))
+        return Done(key, scalars(inprocess.run(scenario, name, collect=lambda tick: watch(tick.state.tick + 1))))
     except FesError as error:
         return Done(key, {}, str(error))
 

@@ -4,30 +4,26 @@ import asyncio
 import contextlib
 import math
 import sys
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterator
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated
 
 import typer
 
 from console import guide
-from console.connect import run_directory
-from console.connect.options import Cfg, Config, Connect, ObserverKeys, OperatorKeys, Run
-from console.connect.run_directory import Client
+from console.connect.reach import Reach, reaching
 from console.dashboard import live
 from console.dashboard.command import Picture
 from console.team import gates, observer, permit, status
 from console.team.merge import Team
 from console.team.recorder import TeamRecorder
-from console.terminal import printing
+from console.terminal import printing, progress
 from fes import command_line, process
 from fes.protocol import keys
 from fes.protocol.report import Report
 from fes.system import strict_json
-from fes.transport import bus
 from fes.transport.bus import Bus
-from fes.transport.endpoints import Endpoints
 from fes.transport.identity import OBSERVER, OPERATOR
 
 CONNECTING = 5.0
@@ -43,40 +39,33 @@ Robots = Annotated[
     str | None,
     typer.Option(metavar="A-B", help="Robots, as I or A-B (default: all whose gate is alive).", show_default=False),
 ]
-Seconds = Annotated[float, typer.Option("--for", min=0.0, max=command_line.YEAR, help="Longest time [s].")]
 
 
 @guide.command(app, "team status")
+@reaching(OBSERVER)
 def show_status(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: ObserverKeys = None,
-    run: Run = keys.DEFAULT_RUN,
+    reach: Reach,
     robots: Robots = None,
     json_: Annotated[bool, typer.Option("--json", help="Print the states as JSON, and nothing else.")] = False,
 ) -> int:
     """Print the state of each robot: gate, agent, pose, links and estimate."""
 
     async def show(session: Bus) -> int:
-        states = await status.collect(session, run, await _chosen(session, run, robots))
+        with progress.waiting("asking the gates and the robots"):
+            states = await status.collect(session, reach.run, await _chosen(session, reach.run, robots))
         if json_:
             print(strict_json.dumps(status.tables(states), indent=2))
         else:
             printing.show(printing.console(), status.table(states))
         return process.SUCCESS
 
-    endpoints = run_directory.endpoints(Client(OBSERVER, certificates, run, CONNECTING), connect, config, cfg)
-    _leave(endpoints, show, needs_its_end=True)
+    reach.leave(CONNECTING, show, needs_its_end=True)
 
 
 @guide.command(app, "team start")
+@reaching(OPERATOR)
 def start(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: OperatorKeys = None,
-    run: Run = keys.DEFAULT_RUN,
+    reach: Reach,
     robots: Robots = None,
     hold: Annotated[
         bool, typer.Option("--hold/--no-hold", help="Renew the permit until Ctrl-C, then stop the robots.")
@@ -85,64 +74,72 @@ def start(
     """Start the robots and renew their permit until Ctrl-C; with --no-hold, fes team permit must renew it."""
 
     async def begin(session: Bus) -> int:
-        chosen = await _chosen(session, run, robots)
+        chosen = await _chosen(session, reach.run, robots)
         if hold:
-            return _code(await permit.start_and_hold(session, run, chosen, _say))
-        return _code(await permit.start(session, run, chosen, _say) == chosen)
+            return _code(await permit.start_and_hold(session, reach.run, chosen, _say))
+        return _code(await permit.start(session, reach.run, chosen, _say) == chosen)
 
-    endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
-    _leave(endpoints, begin, needs_its_end=True)
+    reach.leave(CONNECTING, begin, needs_its_end=True)
 
 
 @guide.command(app, "team stop")
+@reaching(OPERATOR)
 def stop(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: OperatorKeys = None,
-    run: Run = keys.DEFAULT_RUN,
+    reach: Reach,
     robots: Robots = None,
-    longest: Seconds = gates.STOPPING,
+    longest: Annotated[
+        float,
+        typer.Option(
+            "--for",
+            min=0.0,
+            max=command_line.YEAR,
+            help="Time for which the stop is sent again to a gate that has not confirmed it [s].",
+        ),
+    ] = gates.STOPPING,
 ) -> int:
     """Stop the robots; the exit code is 1 unless each gate confirms it."""
 
     async def end(session: Bus) -> int:
-        return _code(await permit.stop(session, run, await _chosen(session, run, robots), _say, longest))
+        with progress.waiting("stopping the robots"):
+            return _code(
+                await permit.stop(session, reach.run, await _chosen(session, reach.run, robots), _say, longest)
+            )
 
-    endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
-    _leave(endpoints, end, needs_its_end=True)
+    reach.leave(CONNECTING, end, needs_its_end=True)
 
 
 @guide.command(app, "team permit")
+@reaching(OPERATOR)
 def hold_permit(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: OperatorKeys = None,
-    run: Run = keys.DEFAULT_RUN,
-    longest: Seconds = math.inf,
+    reach: Reach,
+    longest: Annotated[
+        float,
+        typer.Option(
+            "--for",
+            min=0.0,
+            max=command_line.YEAR,
+            help="Time for which the permit is renewed [s] (default: until Ctrl-C).",
+            show_default=False,
+        ),
+    ] = math.inf,
 ) -> int:
     """Permit started robots to move until Ctrl-C, after which they stop within about a second."""
 
     async def hold(session: Bus) -> int:
-        _say(f"run '{run}': the permit is renewed")
+        _say(f"run '{reach.run}': the permit is renewed")
         try:
-            await permit.publish(session, run, longest)
+            await permit.publish(session, reach.run, longest)
         finally:
             _say("the permit is no longer renewed: the gates stop their robots within about a second")
         return process.SUCCESS
 
-    endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, CONNECTING), connect, config, cfg)
-    _leave(endpoints, hold)
+    reach.leave(CONNECTING, hold)
 
 
 @guide.command(app, "team view")
+@reaching(OBSERVER)
 def view(
-    connect: Connect = None,
-    config: Config = None,
-    cfg: Cfg = None,
-    certificates: ObserverKeys = None,
-    run: Run = keys.DEFAULT_RUN,
+    reach: Reach,
     robots: Robots = None,
     picture: Picture = None,
     record: Annotated[
@@ -153,7 +150,7 @@ def view(
     ] = 30.0,
 ) -> int:
     """Show the dashboard of real robots, from their own reports."""
-    team = Team(run, keys.parse_span(robots, "--robots") if robots else ())
+    team = Team(reach.run, keys.parse_span(robots, "--robots") if robots else ())
     screen = printing.console()
 
     async def show(session: Bus) -> int:
@@ -164,11 +161,12 @@ def view(
             live.Screen(screen, expected="the robots") as frames,
             live.saved(frames, picture, "fes team view"),
         ):
-            await live.follow(shown(observer.reports(session, run, timeout, team), team, frames, recorder), frames)
+            await live.follow(
+                shown(observer.reports(session, reach.run, timeout, team), team, frames, recorder), frames
+            )
         return process.SUCCESS
 
-    endpoints = run_directory.endpoints(Client(OBSERVER, certificates, run, timeout), connect, config, cfg)
-    _leave(endpoints, show)
+    reach.leave(timeout, show)
 
 
 async def shown(
@@ -187,18 +185,6 @@ async def shown(
 async def _chosen(session: Bus, run: str, robots: str | None) -> list[int]:
     """The robots that a person named, or else all whose gate is alive."""
     return list(keys.parse_span(robots, "--robots")) if robots else await gates.present(session, run)
-
-
-def _leave(
-    endpoints: Endpoints, main: Callable[[Bus], Coroutine[Any, Any, int]], *, needs_its_end: bool = False
-) -> NoReturn:
-    """Run `main` with an open session to its exit code, and end the process."""
-
-    async def connected() -> int:
-        async with bus.opened(endpoints) as session:
-            return await main(session)
-
-    process.leave("fes", connected, needs_its_end=needs_its_end)
 
 
 def _code(is_complete: bool) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from fes.errors import FesError, MessageError, Rejected, Unavailable
 from fes.protocol import keys
-from fes.protocol.robot_control import STOPPED, GateStatus, decode_gate_status
+from fes.protocol.robot_control import STOPPED, GateStatus, Start, decode_gate_status, encode_start
 from fes.transport.bus import Bus
 
 PATIENCE = 1.0
@@ -38,6 +38,18 @@ async def ask(bus: Bus, key: Key, run: str, robots: Sequence[int], timeout: floa
     """The answer of each gate to one query, within `timeout` [s]."""
     answers = await asyncio.gather(*(_ask(bus, key(run, robot), robot, timeout) for robot in robots))
     return dict(zip(robots, answers, strict=True))
+
+
+async def start(bus: Bus, run: str, robots: Sequence[int], timeout: float = PATIENCE) -> Answers:
+    """The answer of each gate to one start. A gate takes only a start that quotes a recent reading of its clock."""
+
+    async def start_one(robot: int) -> Answer:
+        state = await _ask(bus, keys.gate_status(run, robot), robot, timeout)
+        if not isinstance(state, GateStatus):
+            return state
+        return await _ask(bus, keys.gate_start(run, robot), robot, timeout, encode_start(Start(state.clock)))
+
+    return dict(zip(robots, await asyncio.gather(*map(start_one, robots)), strict=True))
 
 
 async def stop(bus: Bus, run: str, robots: Sequence[int], timeout: float = STOPPING) -> Answers:
@@ -75,9 +87,9 @@ def words(answer: Answer) -> str:
     return str(answer)
 
 
-async def _ask(bus: Bus, key: str, robot: int, timeout: float) -> Answer:
+async def _ask(bus: Bus, key: str, robot: int, timeout: float, payload: bytes = b"") -> Answer:
     try:
-        status = decode_gate_status(await bus.get(key, b"", timeout))
+        status = decode_gate_status(await bus.get(key, payload, timeout))
     except (MessageError, Rejected, Unavailable) as error:
         return error
     if status.robot != robot:

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import math
 import secrets
+import time
 from collections.abc import AsyncIterator, Callable, Sequence
 
 from console.doctor.network import spans
@@ -16,6 +17,9 @@ from fes.transport.bus import Bus
 
 PERIOD = 0.2
 """Time between two Permits [s]."""
+
+CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+"""Clock of the Permits: on Linux it also runs while the machine sleeps."""
 
 BEFORE = 3 * PERIOD
 """Time for which Permits are published before the first start [s]: the gates must have heard one."""
@@ -36,7 +40,7 @@ async def publish(bus: Bus, run: str, seconds: float = math.inf) -> None:
     due = loop.time()
     end = due + seconds
     while due < end:
-        put(encode_permit(Permit(operator, sequence)))
+        put(encode_permit(Permit(operator, sequence, time.clock_gettime_ns(CLOCK))))
         sequence += 1
         due = max(due + PERIOD, loop.time())
         await asyncio.sleep(min(due, end) - loop.time())
@@ -59,7 +63,7 @@ async def start(bus: Bus, run: str, robots: Sequence[int], say: Say) -> list[int
 
     A start is never repeated: it could undo the stop of another operator.
     """
-    answers = await gates.ask(bus, keys.gate_start, run, robots)
+    answers = await gates.start(bus, run, robots)
     for robot, answer in answers.items():
         if not gates.is_started(answer):
             say(f"robot {robot} did not start: {gates.words(answer)}")

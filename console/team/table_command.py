@@ -8,7 +8,7 @@ import typer
 from console.connect import options, run_directory
 from console.dashboard import live, source
 from console.team.table_run import TableRun
-from console.terminal import printing
+from console.terminal import printing, progress
 from fes import process
 from fes.system import strict_json
 from world.config import builtin
@@ -52,7 +52,8 @@ def run(
             with live.Screen(screen, BELOW, "the robots", source.of(loaded)) as frames:
                 result = process.supervise(lambda: team.run(frames))
         else:
-            result = process.supervise(lambda: team.run(None))
+            with progress.drawn("running", loaded.ticks) as bar:
+                result = process.supervise(lambda: team.run(None, bar))
         write(directory.path, result)
         if json_:
             print(strict_json.dumps(result), flush=True)

@@ -27,6 +27,8 @@ from console.team.merge import Team
 from console.team.recorder import TeamRecorder
 from console.team.robot_tables import robot_tables
 from console.team.table_result import TableResult, read_truth
+from console.terminal import counting
+from console.terminal.counting import Watch
 from fes.errors import FesError, Unavailable
 from fes.extension import crew_laws, registry
 from fes.protocol import keys
@@ -68,8 +70,11 @@ class TableRun:
             optimal_separation(scenario.objective, scenario.channel), crew_laws.physical_period(scenario.seeking)
         )
 
-    async def run(self, frames: live.Screen | None) -> dict[str, Any]:
-        """Run the team for the scenario's duration; returns the summary. Raises FesError."""
+    async def run(self, frames: live.Screen | None, watch: Watch = counting.ignore) -> dict[str, Any]:
+        """Run the team for the scenario's duration; returns the summary. Raises FesError.
+
+        `watch` is called with the ticks since the start, by the wall clock.
+        """
         robots = list(range(self._scenario.robots.number))
         try:
             await self._start(robots)
@@ -77,7 +82,7 @@ class TableRun:
                 await self._ready(session, robots)
                 await asyncio.sleep(SETTLING)
                 run_directory.announce(self._directory, Address(self._endpoint, keys.DEFAULT_RUN, os.getpid()))
-                started = await self._move(session, robots, frames)
+                started = await self._move(session, robots, frames, watch)
         finally:
             run_directory.withdraw(self._directory)
             await self._end()
@@ -128,7 +133,7 @@ class TableRun:
                 present = {robot for key in tokens if (robot := keys.robot_of(key)) is not None}
                 present &= set(await gates.present(session, keys.DEFAULT_RUN))
 
-    async def _move(self, session: Bus, robots: list[int], frames: live.Screen | None) -> float:
+    async def _move(self, session: Bus, robots: list[int], frames: live.Screen | None, watch: Watch) -> float:
         """Hold the permit for the scenario's duration, and collect the reports; returns the monotonic start."""
         team, name = self._team, keys.DEFAULT_RUN
         with TeamRecorder(self._directory / RECORD, team) as recorder:
@@ -136,7 +141,7 @@ class TableRun:
             tasks = [
                 asyncio.create_task(permit.start_and_hold(session, name, robots, self._say), name="permit"),
                 asyncio.create_task(_follow(reports, frames), name="reports"),
-                asyncio.create_task(self._watch(), name="children"),
+                asyncio.create_task(self._watch(watch), name="children"),
             ]
             started = time.monotonic()
             try:
@@ -170,10 +175,12 @@ class TableRun:
                     frames.history.modes = team.modes(loop.time())
             yield report
 
-    async def _watch(self) -> None:
-        """Raise FesError as soon as a process of the team ends."""
+    async def _watch(self, watch: Watch) -> None:
+        """Count ticks, and raise FesError as soon as a process of the team ends."""
+        started = time.monotonic()
         while True:
             self._check()
+            watch(int((time.monotonic() - started) / self._scenario.run.dt))
             await asyncio.sleep(PAUSE)
 
     def _check(self) -> None:

@@ -3,6 +3,7 @@
 from rich.console import Console, RenderableType
 from rich.text import Text
 
+from fes.system import output
 from fes.system.output import printable
 
 
@@ -17,7 +18,8 @@ def is_screen(screen: Console) -> bool:
 
 
 def line(text: object) -> None:
-    """Print one line of data on standard output: printable, not wrapped, without markup."""
+    """Print one line of data on standard output: printable, not wrapped, without markup; above a line of progress."""
+    output.erase()
     print(printable(str(text)))
 
 

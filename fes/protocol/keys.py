@@ -18,7 +18,7 @@
 | fes/<run>/robot/<i>/gate        | liveliness token         | gate of a real robot i -> all       | while up     |
 | fes/<run>/robot/<i>/report      | RobotReport              | real robot i -> observers           | 10 Hz (wall) |
 | fes/<run>/team/permit           | Permit                   | operator -> all gates               | 5 Hz (wall)  |
-| fes/<run>/robot/<i>/start       | empty, answered by GateStatus | operator -> gate i -> operator | when asked   |
+| fes/<run>/robot/<i>/start       | Start, answered by GateStatus | operator -> gate i -> operator | when asked   |
 | fes/<run>/robot/<i>/stop        | empty, answered by GateStatus | operator -> gate i -> operator | when asked   |
 | fes/<run>/robot/<i>/status      | empty, answered by GateStatus | person -> gate i -> person     | when asked   |
 

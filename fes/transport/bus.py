@@ -179,8 +179,10 @@ class Bus:
             raise Unavailable(f"the router does not say within {timeout:g} s who is alive on {key}")
         return sorted(tokens)
 
-    def declare_queryable(self, key: str, handler: Callable[[Query], None]) -> None:
-        """Call `handler` on the loop with each query on `key`.
+    def declare_queryable(
+        self, key: str, handler: Callable[[Query], None], is_free: Callable[[], bool] = lambda: True
+    ) -> None:
+        """Call `handler` on the loop with each query on `key`; while not `is_free()`, queries are rejected.
 
         At most MAX_QUERIES of one client wait. The last part of a key names the client, so that a flood of one robot
         does not crowd out the others. A FesError that the handler raises rejects the query.
@@ -200,7 +202,8 @@ class Bus:
             name = str(query.key_expr)
             client = name.rpartition("/")[2]
             queue = waiting.get(client)
-            if (queue is None and len(waiting) >= MAX_CLIENTS) or (queue is not None and len(queue) >= MAX_QUERIES):
+            has_room = len(waiting) < MAX_CLIENTS if queue is None else len(queue) < MAX_QUERIES
+            if not has_room or not is_free():
                 Query(name, b"", query).reply_err(OVERLOADED)
                 return
             if queue is None:

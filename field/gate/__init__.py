@@ -2,9 +2,9 @@
 
 settings    everything that the gate of one robot needs, to and from JSON
 frames      body frame and team frame, and the scale between them
-fence       the polygon that a robot must not leave
 motion      a check that the pose moves as commanded
-pose_guard  the rules that a pose must keep
+pose_guard  the rules that a pose must keep, and the fence
+permits     the operator's permission to move
 gate        events and the time in, a bounded twist out; the table of causes
 link        frames between agent and gate
 driver      the vendor's driver over Zenoh

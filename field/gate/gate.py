@@ -29,25 +29,28 @@ v²/2a + v (timeout + 2 period). Everything here is in the body's units, except 
 import math
 from typing import NamedTuple
 
-from fes.protocol.robot_control import HELD, RUNNING, STOPPED, GateStatus, Permit
+from fes.protocol.robot_control import HELD, RUNNING, STOPPED, GateStatus, Permit, Start
 from fes.ros.messages import PoseMessage
-from field.gate import frames, motion, pose_guard
+from field.gate import frames, motion, permits, pose_guard
 from field.gate.frames import Twist
 from field.gate.motion import Motion
+from field.gate.permits import Permits
 from field.gate.pose_guard import Seen
 from field.gate.settings import Settings
 
 ZERO = (0.0, 0.0)
 
+NANO = 1_000_000_000
+
 RIVAL = 1.0
 """Time after the last command of another program from which on the robot can start [s]."""
 
-MAX_OPERATORS = 256
-"""Operators whose permits are told apart; permits of further ones are refused."""
+START_AGE = 1.0
+"""Largest age of a start [s]: a person no longer expects the motion of one that the network held up."""
 
 
 class Order(NamedTuple):
-    """A command of the agent, in the law's units."""
+    """A command from the agent, in the law's units."""
 
     sequence: int
     computed_at: float
@@ -61,6 +64,8 @@ class Order(NamedTuple):
 class Gate(NamedTuple):
     """The state of a gate."""
 
+    zero: int = 0
+    """Reading of the gate's clock at time 0 [ns]: a random number, so that no other gate's readings match."""
     twist: Twist = ZERO
     """The twist that goes to the body now."""
     wanted: Twist = ZERO
@@ -83,17 +88,14 @@ class Gate(NamedTuple):
     """Why the last pose is not usable; empty if it is."""
     heard_at: float = -math.inf
     rival_at: float = -math.inf
-    permit_at: float = -math.inf
-    operator: int = -1
-    permits: dict[int, int] = {}  # noqa: RUF012 - replaced, never changed
-    """The highest Permit of each operator."""
+    permits: Permits = Permits()
     motion: Motion = Motion()
     accepted: int = 0
     refused: int = 0
 
 
 def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
-    """The gate after a command of the agent has arrived at `now` [s]."""
+    """The gate after a command from the agent has arrived at `now` [s]."""
     if gate.heard_at < order.heard_at <= now:
         gate = gate._replace(heard_at=order.heard_at)
     linear, angular = frames.to_body_twist(settings.placement, order.linear, order.angular)
@@ -108,17 +110,8 @@ def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
 
 
 def permitted(gate: Gate, settings: Settings, now: float, permit: Permit) -> Gate:
-    """The gate after a Permit has arrived at `now` [s].
-
-    Permits of one operator count at a time, and each only once. Another one's count when those have lapsed.
-    """
-    last = gate.permits.get(permit.operator, -1)
-    is_new = permit.operator in gate.permits or len(gate.permits) < MAX_OPERATORS
-    is_other = permit.operator != gate.operator and _has_permit(gate, settings, now)
-    if permit.sequence <= last or not is_new or is_other:
-        return gate
-    permits = {**gate.permits, permit.operator: permit.sequence}
-    return gate._replace(permit_at=now, operator=permit.operator, permits=permits)
+    """The gate after a Permit has arrived at `now` [s]."""
+    return gate._replace(permits=permits.received(gate.permits, settings.timing.permit, now, permit))
 
 
 def stopped(gate: Gate, reason: str) -> Gate:
@@ -151,10 +144,12 @@ def rivaled(gate: Gate, now: float, key: str) -> Gate:
     return gate if gate.latch else stopped(gate, f"another program commands the body on {key}")
 
 
-def started(gate: Gate, settings: Settings, now: float) -> tuple[Gate, str]:
+def started(gate: Gate, settings: Settings, now: float, start: Start) -> tuple[Gate, str]:
     """The gate after a start, and why it is refused; empty if it is not. A robot that runs stays as it is."""
     if not gate.latch:
         return gate, ""
+    if not 0 <= clock(gate, now) - start.clock <= NANO * START_AGE:
+        return gate, f"the start took more than {START_AGE:g} s to arrive"
     if not _has_permit(gate, settings, now):
         return gate, "the operator's permit is missing"
     if gate.problem:
@@ -176,7 +171,7 @@ def updated(gate: Gate, settings: Settings, now: float, late: float) -> Gate:
     if gate.latch or hold:
         gate = _forgotten(gate)._replace(since=now)
     elif not now - gate.computed_at <= timing.timeout:
-        hold = f"no command of the agent for {timing.timeout:g} s"
+        hold = f"no command from the agent for {timing.timeout:g} s"
     wanted = ZERO if gate.latch or hold else gate.wanted
     dt = max(0.0, min(now - gate.updated, timing.period + timing.lateness))
     twist = (
@@ -198,7 +193,13 @@ def status(gate: Gate, settings: Settings, now: float) -> GateStatus:
         frames.to_team_twist(settings.placement, *gate.twist),
         gate.accepted,
         gate.refused,
+        clock(gate, now),
     )
+
+
+def clock(gate: Gate, now: float) -> int:
+    """Reading of the gate's clock at `now` [ns]."""
+    return gate.zero + round(NANO * now)
 
 
 def _cause(gate: Gate, settings: Settings, now: float, late: float) -> str:
@@ -232,7 +233,7 @@ def _forgotten(gate: Gate) -> Gate:
 
 
 def _has_permit(gate: Gate, settings: Settings, now: float) -> bool:
-    return now - gate.permit_at <= settings.timing.permit
+    return permits.is_held(gate.permits, settings.timing.permit, now)
 
 
 def _has_pose(gate: Gate, settings: Settings, now: float) -> bool:

@@ -43,7 +43,7 @@ CHUNK = 65536
 
 
 class Command(NamedTuple):
-    """A command of the agent, in the law's units."""
+    """A command from the agent, in the law's units."""
 
     sequence: int
     computed_at: int

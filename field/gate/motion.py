@@ -2,7 +2,7 @@
 
 Travel along the heading and turn are compared with the integrals of the commands, in parts of the window. The factor
 between them is a least-squares slope: 1 for a perfect body, 0 for one that stands, -1 for a reversed axis. Bodies
-slip, saturate and lag, so that a factor from 1/3 to 3 at any lag up to 0.3 s passes.
+slip, saturate and lag, so a factor from 1/3 to 3 at any lag up to 0.3 s passes.
 """
 
 import math
@@ -21,8 +21,8 @@ PARTS = 4
 """Parts of the window that are compared."""
 
 WALKING, TURNING = 0.25, 0.4
-"""Mean velocities from which on a window is judged, relative to the limits: noise of the pose is small beside them.
-Commanded turns alternate fast, and then little of them is left after a lag."""
+"""Mean velocities from which on a window is judged, as shares of the limits: noise of the pose is small beside them.
+The share of turns is larger. Commanded turns alternate fast, so little of them is left after a lag."""
 
 LARGEST_FACTOR = 3.0
 

@@ -1,8 +1,14 @@
-"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows it."""
+"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows it.
+
+An answer waits while the operator's network is congested. So a thread sends it, and the loop never waits.
+"""
 
 import asyncio
 import logging
+import threading
 from collections.abc import Callable
+from functools import partial
+from queue import SimpleQueue
 
 from fes.errors import FesError, MessageError, Rejected
 from fes.protocol import keys
@@ -15,8 +21,38 @@ TRIES, PAUSE, PATIENCE = 12, 0.25, 2.0
 
 SCHEMA = "fes.GateStatus"
 
-Control = Callable[[], GateStatus]
-"""Answers a query with the state afterwards; raises FesError to reject it."""
+MOST_ANSWERS = 64
+"""Answers that wait to be sent; with as many, further queries are refused."""
+
+Control = Callable[[bytes], GateStatus]
+"""Answers a query, given its payload, with the state afterwards; raises FesError to reject it."""
+
+
+class Answers:
+    """Answers on their way from the loop to the network, which a thread sends in order.
+
+    The thread ends with the process. Nothing waits for it, since Zenoh may hold it up for seconds.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        threading.Thread(target=self._send, name="answers", daemon=True).start()
+
+    @property
+    def is_free(self) -> bool:
+        """True if there is room for a further answer."""
+        return self._waiting.qsize() < MOST_ANSWERS
+
+    def put(self, send: Callable[[], None]) -> None:
+        """Let the thread call `send`."""
+        self._waiting.put(send)
+
+    def _send(self) -> None:
+        while True:
+            try:
+                self._waiting.get()()
+            except Exception as error:  # the session is closed, or its link is gone: the operator asks again
+                logging.getLogger("gate").debug("an answer is lost: %s", error)
 
 
 class Operator:
@@ -28,6 +64,7 @@ class Operator:
         self._robot = robot
         self._logger = logging.getLogger(f"gate.{robot}")
         self._permits = Arrivals(asyncio.get_running_loop(), wake)
+        self._answers = Answers()
         self._has_complained = False
 
     async def claim(self) -> None:
@@ -48,7 +85,7 @@ class Operator:
             (keys.gate_stop(run, robot), stop),
             (keys.gate_status(run, robot), status),
         ):
-            self._bus.declare_queryable(key, _answering(control))
+            self._bus.declare_queryable(key, self._answering(control), lambda: self._answers.is_free)
         self._bus.declare_token(keys.gate_alive(run, robot))  # last: it promises that all the others are declared
 
     def permits(self) -> list[tuple[int, Permit]]:
@@ -63,12 +100,12 @@ class Operator:
                 self._has_complained = True
         return permits
 
+    def _answering(self, control: Control) -> Callable[[Query], None]:
+        def answer(query: Query) -> None:
+            try:
+                send = partial(query.reply, encode_gate_status(control(query.payload)), SCHEMA)
+            except FesError as error:
+                send = partial(query.reply_err, str(error))
+            self._answers.put(send)
 
-def _answering(control: Control) -> Callable[[Query], None]:
-    def answer(query: Query) -> None:
-        try:
-            query.reply(encode_gate_status(control()), SCHEMA)
-        except FesError as error:
-            query.reply_err(str(error))
-
-    return answer
+        return answer

@@ -3,11 +3,12 @@
 import asyncio
 import logging
 import math
+import secrets
 import time
 from typing import Any
 
 from fes.errors import FesError, MessageError, Rejected
-from fes.protocol.robot_control import HELD, RUNNING, GateStatus
+from fes.protocol.robot_control import HELD, MAX_CLOCK, RUNNING, GateStatus, decode_start
 from fes.ros.messages import read_pose
 from fes.system import signals
 from fes.transport import bus
@@ -16,7 +17,7 @@ from fes.transport.endpoints import Endpoints
 from field.gate import gate as rules
 from field.gate import link
 from field.gate.driver import Driver
-from field.gate.gate import Gate, Order
+from field.gate.gate import NANO, Gate, Order
 from field.gate.link import FrameSocket, PoseSeen
 from field.gate.operator import Operator
 from field.gate.pose_guard import shown
@@ -28,8 +29,6 @@ PROGRESS = 0.1
 LOGGED = 1.0
 """Shortest time between two lines about holds [s]."""
 
-NANO = 1_000_000_000
-
 
 class Process:
     """One gate between an agent and a body."""
@@ -37,7 +36,7 @@ class Process:
     def __init__(self, settings: Settings, agent: FrameSocket) -> None:
         self._settings = settings
         self._agent = agent
-        self._gate = Gate()
+        self._gate = Gate(secrets.randbelow(MAX_CLOCK // 2))
         self._driver: Driver | None = None
         self._operator: Operator | None = None
         self._logger = logging.getLogger(f"gate.{settings.robot}")
@@ -157,20 +156,21 @@ class Process:
             self._logger.info("%s", status.mode if status.mode == RUNNING else f"{status.mode}: {status.reason}")
             self._logged = (status.mode, now)
 
-    def _start(self) -> GateStatus:
+    def _start(self, payload: bytes) -> GateStatus:
+        start = decode_start(payload)
         if self._driver is not None and self._gate.latch and self._driver.other_publishers:
             raise Rejected(f"another program can command the body: {', '.join(self._driver.other_publishers)}")
         self._absorb()
-        self._gate, refusal = rules.started(self._gate, self._settings, time.monotonic())
+        self._gate, refusal = rules.started(self._gate, self._settings, time.monotonic(), start)
         if refusal:
             raise Rejected(refusal)
         return self._status()
 
-    def _stop(self) -> GateStatus:
+    def _stop(self, _: bytes) -> GateStatus:
         self._gate = rules.stopped(self._gate, "stopped by the operator")
         return self._status()
 
-    def _status(self) -> GateStatus:
+    def _status(self, _: bytes = b"") -> GateStatus:
         return rules.status(self._gate, self._settings, time.monotonic())
 
     def on_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -79,6 +79,7 @@ class FakeGate:
             self.permits.append((self._loop.time(), robot_control.decode_permit(payload)))
 
     def _start(self, query: Query) -> None:
+        robot_control.decode_start(query.payload)
         self.asked.append("start")
         if self.permits and self._loop.time() - self.permits[-1][0] < LAPSE:
             self.mode, self.reason = RUNNING, ""

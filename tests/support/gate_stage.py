@@ -9,7 +9,15 @@ from typing import Any
 
 from fes.errors import Rejected, Unavailable
 from fes.protocol import keys
-from fes.protocol.robot_control import STOPPED, GateStatus, Permit, decode_gate_status, encode_permit
+from fes.protocol.robot_control import (
+    STOPPED,
+    GateStatus,
+    Permit,
+    Start,
+    decode_gate_status,
+    encode_permit,
+    encode_start,
+)
 from fes.transport.bus import Bus
 from field.gate.launch import AgentLink
 from field.gate.link import TO_AGENT, TO_GATE, Command, FrameSocket, pair
@@ -47,12 +55,12 @@ class Operator:
         while True:
             sequence += 1
             if not self.is_away:
-                self._put(encode_permit(Permit(1, sequence)))
+                self._put(encode_permit(Permit(1, sequence, time.monotonic_ns())))
             await asyncio.sleep(0.1)
 
     async def start(self) -> GateStatus:
         """Start the robot; raises Rejected."""
-        return await self._ask(keys.gate_start(RUN, ROBOT))
+        return await self._ask(keys.gate_start(RUN, ROBOT), encode_start(Start((await self.status()).clock)))
 
     async def stop(self) -> GateStatus:
         return await self._ask(keys.gate_stop(RUN, ROBOT))
@@ -60,8 +68,8 @@ class Operator:
     async def status(self) -> GateStatus:
         return await self._ask(keys.gate_status(RUN, ROBOT))
 
-    async def _ask(self, key: str) -> GateStatus:
-        return decode_gate_status(await self._bus.get(key, b"", PATIENCE))
+    async def _ask(self, key: str, payload: bytes = b"") -> GateStatus:
+        return decode_gate_status(await self._bus.get(key, payload, PATIENCE))
 
     async def has_started(self) -> bool:
         """True if the robot is started; a gate that has no pose or permit yet refuses."""

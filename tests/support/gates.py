@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from fes.protocol.robot_control import GateStatus, Permit
+from fes.protocol.robot_control import GateStatus, Permit, Start
 from fes.ros.messages import PoseMessage
 from field.gate import gate as rules
 from field.gate.gate import Gate, Order
@@ -11,6 +11,8 @@ from field.gate.settings import Limits, Settings, Timing
 
 PERIOD = 0.02
 FRAME = "map"
+AHEAD = 5000.0
+"""Reading of the operator's clock at time 0 of the gate's [s]."""
 ROUNDING = 1e-9
 """Far above the rounding of sums and times of some seconds, far below any limit."""
 
@@ -28,7 +30,7 @@ class Rig:
 
     def __init__(self, chosen: Settings | None = None) -> None:
         self.settings = chosen or settings()
-        self.gate = Gate()
+        self.gate = Gate(zero=10**18)
         self.now = 100.0
         self.sequence = 0
         self.permit_number = 0
@@ -42,9 +44,11 @@ class Rig:
     def status(self) -> GateStatus:
         return rules.status(self.gate, self.settings, self.now)
 
-    def permit(self, operator: int = 1, number: int | None = None) -> None:
+    def permit(self, operator: int = 1, number: int | None = None, delay: float = 0.0) -> None:
+        """A Permit arrives `delay` [s] after it was sent."""
         self.permit_number += 1
-        permit = Permit(operator, self.permit_number if number is None else number)
+        sent_at = round(1e9 * (self.now - delay + AHEAD))
+        permit = Permit(operator, self.permit_number if number is None else number, sent_at)
         self.gate = rules.permitted(self.gate, self.settings, self.now, permit)
 
     def see(self, frame: str = FRAME, shift: float = 0.0, stamp: int | None = None) -> None:
@@ -62,8 +66,10 @@ class Rig:
         order = Order(self.sequence, self.now - age, linear, angular, self.now - heard)
         self.gate = rules.commanded(self.gate, self.settings, self.now, order)
 
-    def start(self) -> str:
-        self.gate, refusal = rules.started(self.gate, self.settings, self.now)
+    def start(self, age: float = 0.0) -> str:
+        """A start arrives `age` [s] after the state that it quotes."""
+        start = Start(rules.clock(self.gate, self.now - age))
+        self.gate, refusal = rules.started(self.gate, self.settings, self.now, start)
         return refusal
 
     def tick(self, dt: float = PERIOD, late: float = 0.0) -> None:

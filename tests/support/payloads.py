@@ -20,7 +20,7 @@ from fes.protocol import report as reports
 from fes.protocol.channel_change import ChangeResult, ParameterChange
 from fes.protocol.messages import Beacon, Command, Join, Observation, Welcome
 from fes.protocol.report import Report
-from fes.protocol.robot_control import GateStatus, Permit
+from fes.protocol.robot_control import GateStatus, Permit, Start
 from fes.protocol.robot_report import Heard, RobotReport
 from fes.protocol.world_info import WorldInfo
 
@@ -171,9 +171,12 @@ reasons = st.text(st.characters(codec="ascii", categories=["L", "N", "P", "Zs"])
 poses = st.tuples(finite, finite, finite)
 gate_states = st.builds(
     GateStatus, robots, st.sampled_from(robot_control.MODES), reasons, poses, finite, st.tuples(finite, finite),
-    ticks, ticks,
+    ticks, ticks, st.integers(0, robot_control.MAX_CLOCK),
 )  # fmt: skip
-permits = st.builds(Permit, st.integers(0, robot_control.MAX_OPERATOR), ticks)
+starts = st.builds(Start, st.integers(0, robot_control.MAX_CLOCK))
+permits = st.builds(
+    Permit, st.integers(0, robot_control.MAX_OPERATOR), ticks, st.integers(0, robot_control.MAX_CLOCK)
+)
 crews = st.sets(robots, min_size=1, max_size=9).map(lambda ids: tuple(sorted(ids)))
 words = st.text(st.characters(codec="ascii", categories=["L", "N", "P"]), max_size=20)
 joins = st.builds(Join, crews, st.integers(0, messages.MAX_AGENT), words)
@@ -201,8 +204,9 @@ CODECS = {
     "Change": Codec(channel_change.encode_change, channel_change.decode_change, changes, 2),
     "Effect": Codec(channel_change.encode_result, channel_change.decode_result, effects, 5),
     "RobotReport": Codec(robot_report.encode_robot_report, robot_report.decode_robot_report, robot_reports(), 12),
-    "Permit": Codec(robot_control.encode_permit, robot_control.decode_permit, permits, 2),
-    "GateStatus": Codec(robot_control.encode_gate_status, robot_control.decode_gate_status, gate_states, 8),
+    "Permit": Codec(robot_control.encode_permit, robot_control.decode_permit, permits, 3),
+    "Start": Codec(robot_control.encode_start, robot_control.decode_start, starts, 1),
+    "GateStatus": Codec(robot_control.encode_gate_status, robot_control.decode_gate_status, gate_states, 9),
     "About": Codec(world_info.encode_world_info, world_info.decode_world_info, abouts, 4),
 }
 scalars = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()

@@ -44,8 +44,9 @@ PLAIN["RobotReport"] = [
     *(PROTOCOL, 77, 2.5, 0.02, [1.0, 2.0, 0.5], 0.04, msgpack.packb(PLAIN["Command"]), 75.0, int32(2, 9)),
     *([int64(90, 80), int64(10, 19), int64(0, 1)], float64(61.0, math.nan), "held", "no permit"),
 ]
-PLAIN["Permit"] = [PROTOCOL, 5, 7]
-PLAIN["GateStatus"] = [PROTOCOL, 4, "stopped", "fence", [1.0, 2.0, 0.5], 0.04, [0.0, 0.0], 90, 1]
+PLAIN["Permit"] = [PROTOCOL, 5, 7, 12_000_000_000]
+PLAIN["Start"] = [PROTOCOL, 12_000_000_000]
+PLAIN["GateStatus"] = [PROTOCOL, 4, "stopped", "fence", [1.0, 2.0, 0.5], 0.04, [0.0, 0.0], 90, 1, 12_000_000_000]
 
 TEAM: list[Any] = [[0.5, 0.69, math.nan], int32(1), int32(-1, 0), int32(2, 0)]
 """The last field of a Report with the team index, of two robots."""

@@ -10,6 +10,7 @@ import pytest
 from distributed import LocalCluster
 
 from console.sweep import cluster, design, work
+from console.terminal import counting
 from fes.errors import FesError
 from fes.system import fingerprint
 from tests.support.arithmetics import OTHER
@@ -46,6 +47,21 @@ def test_a_worker_killed_midway_loses_no_run_and_repeats_none(dask: LocalCluster
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
 
 
+def test_workers_report_ticks_before_their_batch_has_ended(
+    dask: LocalCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PERIOD", 0.001)
+    planned = design.plan(Path(PAIR), [], "0:4", ["run.duration=40"])
+    ticks, results = [0], []
+    with cluster.connected(dask.scheduler_address) as workers:
+        for done in workers.carry_out(work.batches("pair", planned.runs, 2), ticks.append):
+            results.append((ticks[-1], len(done)))
+    assert [count for _, count in results] == [2, 2]
+    assert results[0][0] > 0  # known before the first result
+    assert ticks == sorted(ticks)
+    assert ticks[-1] == 4 * 2000
+
+
 def test_a_worker_with_another_version_of_fes_is_rejected(
     dask: LocalCluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -54,7 +70,7 @@ def test_a_worker_with_another_version_of_fes_is_rejected(
     with cluster.connected(dask.scheduler_address) as workers:
         assert workers.count == 2
         with pytest.raises(FesError, match=r"a Dask worker has fes .*, and the sweep is of fes 9\.9"):
-            list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
+            list(workers.carry_out(work.batches("pair", planned.runs, 2), counting.ignore))
 
 
 def test_a_worker_with_another_arithmetic_is_rejected(dask: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -63,7 +79,7 @@ def test_a_worker_with_another_arithmetic_is_rejected(dask: LocalCluster, monkey
     planned = design.plan(Path(PAIR), [], "0:1", ["run.duration=1"])
     wanted = rf"^a Dask worker has {own}, and the sweep is of {fingerprint.text()}$"
     with cluster.connected(dask.scheduler_address) as workers, pytest.raises(FesError, match=wanted):
-        list(workers.carry_out(work.batches("pair", planned.runs, 2), work.ignore))
+        list(workers.carry_out(work.batches("pair", planned.runs, 2), counting.ignore))
 
 
 def test_a_scheduler_that_does_not_answer_is_reported_in_one_line(

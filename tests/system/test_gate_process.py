@@ -93,7 +93,7 @@ def test_a_frozen_agent_stops_the_body_and_its_stale_commands_never_move_it() ->
             event, before = now(), on.body.travelled
             os.kill(running.pid, signal.SIGSTOP)
             await check_travel(on, event, before)
-            assert await on.reason(HELD) == "no command of the agent for 0.25 s"
+            assert await on.reason(HELD) == "no command from the agent for 0.25 s"
             status = await on.operator.status()
             stood, frozen_for = on.body.travelled, 1.0
             await until(lambda: now() - event > frozen_for)  # 50 periods, whose commands the agent will send late

@@ -11,7 +11,6 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from console.team import gates, permit
-from fes.protocol import keys
 from fes.protocol.robot_control import HELD, STOPPED
 from fes.ros import messages
 from fes.ros.topics import Topic, publish_key
@@ -29,7 +28,7 @@ CUT = 3.0
 async def moving(on: Stage) -> AsyncIterator[None]:
     """A robot that cruises while an operator holds its permit."""
     async with permit.held(on.session, RUN):
-        assert gates.is_started((await gates.ask(on.session, keys.gate_start, RUN, [0]))[0])
+        assert gates.is_started((await gates.start(on.session, RUN, [0]))[0])
         await is_running(on)
         yield
 
@@ -144,7 +143,7 @@ def test_a_driver_of_another_command_type_is_detected_by_the_pose_that_does_not_
             stage(tmp_path, command_type="TwistStamped", change=_wrong_type) as on,
             permit.held(on.session, RUN),
         ):
-            await gates.ask(on.session, keys.gate_start, RUN, [0])
+            await gates.start(on.session, RUN, [0])
             await on.mode(STOPPED, "as commanded")
 
     run(main)
@@ -157,7 +156,7 @@ def _wrong_type(tables: dict[str, dict[str, dict[str, str]]]) -> None:
 def test_a_wrong_frame_is_refused_in_one_line(tmp_path: Path) -> None:
     async def main() -> None:
         async with stage(tmp_path, frame="odom", change=_common_frame) as on, permit.held(on.session, RUN):
-            refusal = str((await gates.ask(on.session, keys.gate_start, RUN, [0]))[0])
+            refusal = str((await gates.start(on.session, RUN, [0]))[0])
             assert "odom" in refusal
             assert "map" in refusal
             assert (await on.mode(STOPPED)).twist == (0.0, 0.0)

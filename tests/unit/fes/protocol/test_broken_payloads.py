@@ -82,6 +82,8 @@ BROKEN: list[tuple[str, int, Any, str]] = [
     *(("Permit", 1, operator, "an operator") for operator in (-1, 2**62 + 1, True, 1.0)),
     *(("Permit", 2, sequence, "tick") for sequence in (-1, 2**53, 1.0, None)),
     *(("GateStatus", 2, mode, "a mode") for mode in ("", "walking", 1, None)),
+    *(("GateStatus", 9, clock, "reading of a clock") for clock in (-1, 2**62 + 1, 1.0, True, None)),
+    *(("Start", 1, clock, "reading of a clock") for clock in (-1, 2**62 + 1, 1.0, True, None)),
     *(("GateStatus", 3, reason, "one line") for reason in ("a\nb", "a" * 201, b"fence", None)),
     ("Join", 1, list(range(100_001)), "list of robots"),
     ("Report", 9, [float64(1.0)] * 9, "link arrays"),

@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from field.gate.fence import is_inside
+from field.gate.pose_guard import is_inside
 
 numbers = st.floats(-3.0, 3.0)
 

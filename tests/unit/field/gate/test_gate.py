@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from fes.protocol.robot_control import HELD, RUNNING, STOPPED
+from fes.protocol.robot_control import HELD, RUNNING, STOPPED, Start
 from field.gate import gate as rules
 from field.gate.settings import Placement
 from tests.support.gates import PERIOD, ROUNDING, Rig, running, settings
@@ -47,6 +47,25 @@ def test_a_start_is_refused_without_permit_pose_frame_or_with_a_second_driver(mi
     assert rule in rig.start()
     rig.run(1.0, 0.1)
     assert rig.gate.twist == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("age", [1.01, 3600.0, -0.01])
+def test_a_start_that_the_network_held_up_or_of_another_clock_is_refused(age: float) -> None:
+    rig = Rig()
+    rig.permit()
+    rig.see()
+    assert rig.start(age) == "the start took more than 1 s to arrive"
+    assert rig.gate.latch
+    assert rig.start(0.99) == ""
+
+
+def test_a_start_for_the_gate_before_is_refused() -> None:
+    rig, before = Rig(), Rig()
+    rig.permit()
+    rig.see()
+    rig.gate = rig.gate._replace(zero=rig.gate.zero + 10**15)  # another random number
+    _, refusal = rules.started(rig.gate, rig.settings, rig.now, Start(before.status.clock))
+    assert "to arrive" in refusal
 
 
 def test_a_start_outside_the_fence_is_refused_until_the_robot_is_carried_inside() -> None:
@@ -128,7 +147,7 @@ def test_the_robot_stands_after_the_timeout_and_its_braking_time_when_the_agent_
     assert rig.now - since <= timing.timeout + limits.linear / limits.acceleration + 2 * PERIOD + ROUNDING
     bound = 0.2**2 / (2 * limits.acceleration) + 0.2 * (timing.timeout + 2 * PERIOD)
     assert 0 < rig.pose[0] - start <= bound
-    assert (rig.status.mode, rig.status.reason) == (HELD, "no command of the agent for 0.25 s")
+    assert (rig.status.mode, rig.status.reason) == (HELD, "no command from the agent for 0.25 s")
     rig.run(0.5, 0.1)
     assert rig.status.mode == RUNNING
 
