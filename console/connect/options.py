@@ -7,7 +7,7 @@ import typer
 
 from fes.extension import registry
 from fes.transport import network_flags
-from fes.transport.identity import OBSERVER, OPERATOR
+from fes.transport.identity import OBSERVER, OPERATOR, WORLD
 from fes.transport.network_flags import NetworkFlag
 from world.config import builtin
 
@@ -52,9 +52,11 @@ Scenario = Annotated[
 ]
 
 Connect = Annotated[list[str] | None, _option(network_flags.CONNECT)]
+Listen = Annotated[list[str] | None, _option(network_flags.LISTEN)]
 Config = Annotated[Path | None, _option(network_flags.CONFIG)]
 Cfg = Annotated[list[str] | None, _option(network_flags.CFG)]
 Run = Annotated[str, _option(network_flags.RUN)]
 
 ObserverKeys = Annotated[Path | None, _keys(OBSERVER)]
 OperatorKeys = Annotated[Path | None, _keys(OPERATOR)]
+WorldKeys = Annotated[Path | None, _keys(WORLD)]

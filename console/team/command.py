@@ -1,4 +1,4 @@
-"""fes team: state, start, stop, permit and dashboard of a team of real robots."""
+"""fes team: router, state, start, stop, permit and dashboard of a team of real robots."""
 
 import asyncio
 import contextlib
@@ -13,11 +13,11 @@ import typer
 
 from console import guide
 from console.connect import run_directory
-from console.connect.options import Cfg, Config, Connect, ObserverKeys, OperatorKeys, Run
+from console.connect.options import Cfg, Config, Connect, Listen, ObserverKeys, OperatorKeys, Run, WorldKeys
 from console.connect.run_directory import Client
 from console.dashboard import live
 from console.dashboard.command import Picture
-from console.team import gates, observer, permit, status
+from console.team import gates, observer, permit, router, status
 from console.team.merge import Team
 from console.team.recorder import TeamRecorder
 from console.terminal import printing
@@ -44,6 +44,20 @@ Robots = Annotated[
     typer.Option(metavar="A-B", help="Robots, as I or A-B (default: all whose gate is alive).", show_default=False),
 ]
 Seconds = Annotated[float, typer.Option("--for", min=0.0, max=command_line.YEAR, help="Longest time [s].")]
+
+
+@guide.command(app, "team router")
+def carry(
+    listen: Listen = None,
+    certificates: WorldKeys = None,
+    run: Run = keys.DEFAULT_RUN,
+    robots: Annotated[
+        int, typer.Option(min=1, max=keys.MAX_ROBOTS, metavar="N", help="With --keys: robots 0 to N-1 may take part.")
+    ] = 100,
+) -> NoReturn:
+    """Carry the team's network until Ctrl-C: gates, operators and observers connect to this router."""
+    name = keys.check_run(run)
+    process.run("fes", lambda: router.serve(name, tuple(listen or ()), certificates, robots))
 
 
 @guide.command(app, "team status")
