@@ -100,7 +100,7 @@ def _table(on: Team) -> None:
     near, radio = f"tcp/127.0.0.1:{free_port()}", f"127.0.0.1:{free_datagram_port()}"
     tables = robot_tables(load(builtin.resolve(Path("tabletop")), {"robots.poses": POSES}), RUN, near, radio)
     tables["limits"] |= {"lateness": 2.0, "command_age": 1.0, "command_timeout": 2.0, "pose_age": 2.0}
-    tables["limits"] |= {"permit_timeout": 10.0}
+    tables["limits"] |= {"permit_timeout": 5.0, "motion_check": 0.0}
     tables["controller"] = "tests.support.cruise:Cruise"
     tables["team"] = {"endpoint": on.endpoint}
     (on.folder / "robot.toml").write_text(tomli_w.dumps(tables))

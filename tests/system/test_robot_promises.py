@@ -6,8 +6,6 @@ The robot cruises at full speed on a table whose driver holds its last command f
 import asyncio
 import os
 import signal
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
 
 from console.team import gates, permit
@@ -16,22 +14,13 @@ from fes.protocol.robot_control import HELD, STOPPED
 from fes.ros import messages
 from fes.ros.topics import Topic, publish_key
 from fes.transport import foreign
-from tests.support.robot_table import RUN, Stage, bound, ended, is_running, now, run, stage
+from tests.support.robot_table import RUN, bound, ended, is_running, moving, now, run, stage
 
 TIMEOUT, PERMIT = 0.25, 1.0
 """Times after which the gate notices a missing command and a missing permit [s]."""
 
 CUT = 3.0
 """Length of a cut [s]: the commands of this time wait in the link."""
-
-
-@asynccontextmanager
-async def moving(on: Stage) -> AsyncIterator[None]:
-    """A robot that cruises while an operator holds its permit."""
-    async with permit.held(on.session, RUN):
-        assert gates.is_started((await gates.ask(on.session, keys.gate_start, RUN, [0]))[0])
-        await is_running(on)
-        yield
 
 
 def test_a_robot_whose_agent_is_killed_stands(tmp_path: Path) -> None:
