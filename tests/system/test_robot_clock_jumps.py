@@ -7,7 +7,6 @@ import asyncio
 import json
 import os
 import signal
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ from tests.support.commands import call
 from tests.support.jumped_clock import JumpedClock, needs_compiler
 from tests.support.processes import PATIENCE
 from tests.support.robot_table import (
-    ACCELERATION,
     LINEAR,
     PERIOD,
     RUN,
@@ -60,15 +58,13 @@ async def later(on: Stage, event: float) -> None:
 
 
 def check_no_jerk(on: Stage, event: float) -> None:
-    """No command since the event was faster than the law's, nor changed faster than the gate allows."""
+    """The body has driven only as the law commands, or slower: never backward, faster, or along another curve."""
     lines = [line for line in on.truth() if line["monotonic"] >= event - 2 * TRUTH_PERIOD]
     assert len(lines) > WATCHED / TRUTH_PERIOD / 2
-    for before, after in pairwise(lines):
-        (linear, angular), (last, _) = after["twists"][0], before["twists"][0]
-        elapsed = after["time"] - before["time"] + 2 * PERIOD
+    for line in lines:
+        linear, angular = line["twists"][0]
         assert -1e-9 <= linear <= LINEAR + 1e-9
-        assert abs(angular) <= TURN + 1e-9
-        assert abs(linear - last) <= ACCELERATION * elapsed + 1e-9
+        assert -1e-9 <= angular <= TURN + 1e-9
     assert on.travel(event) <= LINEAR * (lines[-1]["monotonic"] - event + 4 * TRUTH_PERIOD)
 
 
