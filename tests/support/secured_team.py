@@ -51,7 +51,7 @@ class Team:
         return self.start(name, command("field.process", *words))
 
     def log(self, name: str) -> str:
-        """What a process has logged so far."""
+        """The words of a process so far."""
         return (self.folder / f"{name}.log").read_text()
 
     async def logs(self, name: str, words: str) -> None:

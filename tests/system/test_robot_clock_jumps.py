@@ -82,7 +82,7 @@ def test_a_robot_drives_on_when_the_clock_of_agent_or_gate_jumps_and_still_stops
                     clock.jump(0, "agent", "gate")
                     clock.jump(seconds, *kinds)
                     await later(on, event)
-                    await is_running(on)  # nobody has started it again: no stop has come
+                    await is_running(on)  # without another start: no stop has come
                     check_no_jerk(on, event)
                 event = now()
                 await gates.stop(on.session, RUN, [0])
