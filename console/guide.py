@@ -27,6 +27,7 @@ EXAMPLES = {
     "keys rules": "fes keys rules --robots 2 > router.json5",
     "team": "fes team status",
     "team run": "fes team run tabletop --duration 60",
+    "team router": "fes team router -l tls/0.0.0.0:7447 --keys keys",
     "team status": "fes team status",
     "team start": "fes team start --robots 0-2",
     "team stop": "fes team stop",

@@ -153,7 +153,7 @@ async def serve(flags: argparse.Namespace, start: Start) -> int:
     crews = identity.crews(flags.keys) if flags.keys else ()
     rules = access.control(start.run, start.scenario.robots.number, crews) if flags.keys else None
     endpoints = command_line.world_endpoints(flags, rules)
-    audited = audit.running(access.roles(rules)) if rules else nullcontext()
+    audited = audit.running(access.roles(rules), _logger) if rules else nullcontext()
     async with audited, bus.opened(endpoints) as opened:
         connected = bool(flags.connect or flags.config or flags.cfg) or flags.mode not in (None, "router")
         await claim.claim_run(opened, start.run, connected=connected)

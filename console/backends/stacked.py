@@ -54,12 +54,15 @@ def run(scenarios: Sequence[Scenario], name: str, watch: Watch = counting.ignore
     return [summary.summarize(collector, name, "inprocess", wall) for collector in metrics]
 
 
-def ticks(scenarios: Sequence[Scenario]) -> Iterator[list[Tick]]:
-    """All ticks in order, each as one Tick per run, without the beacons: the robots hear them as one crew."""
+def ticks(scenarios: Sequence[Scenario], data_sheets: Sequence[Scenario] | None = None) -> Iterator[list[Tick]]:
+    """All ticks in order, each as one Tick per run, without the beacons: the robots hear them as one crew.
+
+    `data_sheets`, if given, has the settings that each run's robots know. So a study can hide what their world does.
+    """
     worlds = [truth.create(scenario) for scenario in scenarios]
     states = [truth.start(world) for world in worlds]
     places = _Places.of([world.ids for world in worlds])
-    robots = CrewRun(_assemble(scenarios, places))
+    robots = CrewRun(_assemble(data_sheets or scenarios, places))
     joined, split = _Joined(places), _Split(places)
     beacons = unshared = no_beacons()
     present = [state.present for state in states]

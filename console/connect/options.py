@@ -7,7 +7,7 @@ import typer
 
 from fes.extension import registry
 from fes.transport import network_flags
-from fes.transport.identity import OBSERVER, OPERATOR
+from fes.transport.identity import OBSERVER, OPERATOR, WORLD
 from fes.transport.network_flags import NetworkFlag
 from world.config import builtin
 
@@ -52,6 +52,7 @@ Scenario = Annotated[
 ]
 
 Connect = Annotated[list[str] | None, _option(network_flags.CONNECT)]
+Listen = Annotated[list[str] | None, _option(network_flags.LISTEN)]
 Config = Annotated[Path | None, _option(network_flags.CONFIG)]
 Cfg = Annotated[list[str] | None, _option(network_flags.CFG)]
 Run = Annotated[str, _option(network_flags.RUN)]
@@ -59,3 +60,4 @@ Run = Annotated[str, _option(network_flags.RUN)]
 ObserverKeys = Annotated[Path | None, _keys(OBSERVER)]
 KEYS: dict[str, Any] = {OBSERVER: ObserverKeys, OPERATOR: Annotated[Path | None, _keys(OPERATOR)]}
 """The flag --keys by the role of the certificate."""
+WorldKeys = Annotated[Path | None, _keys(WORLD)]

@@ -1,4 +1,4 @@
-"""fes team: state, start, stop, permit and dashboard of a team of real robots."""
+"""fes team: router, state, start, stop, permit and dashboard of a team of real robots."""
 
 import asyncio
 import contextlib
@@ -7,15 +7,16 @@ import sys
 from collections.abc import AsyncIterator
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
 from console import guide
+from console.connect.options import Listen, Run, WorldKeys
 from console.connect.reach import Reach, reaching
 from console.dashboard import live
 from console.dashboard.command import Picture
-from console.team import gates, observer, permit, status
+from console.team import gates, observer, permit, router, status
 from console.team.merge import Team
 from console.team.recorder import TeamRecorder
 from console.terminal import printing, progress
@@ -39,6 +40,20 @@ Robots = Annotated[
     str | None,
     typer.Option(metavar="A-B", help="Robots, as I or A-B (default: all whose gate is alive).", show_default=False),
 ]
+
+
+@guide.command(app, "team router")
+def carry(
+    listen: Listen = None,
+    certificates: WorldKeys = None,
+    run: Run = keys.DEFAULT_RUN,
+    robots: Annotated[
+        int, typer.Option(min=1, max=keys.MAX_ROBOTS, metavar="N", help="With --keys: robots 0 to N-1 may take part.")
+    ] = 100,
+) -> NoReturn:
+    """Carry the team's network until Ctrl-C: gates, operators and observers connect to this router."""
+    name = keys.check_run(run)
+    process.run("fes", lambda: router.serve(name, tuple(listen or ()), certificates, robots))
 
 
 @guide.command(app, "team status")

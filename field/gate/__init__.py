@@ -1,11 +1,6 @@
 """The gate: a process between the agent and the wheels. It stops the robot when the agent cannot.
 
-settings    everything that the gate of one robot needs, to and from JSON
-frames      body frame and team frame, and the scale between them
-motion      a check that the pose moves as commanded
-pose_guard  the rules that a pose must keep, and the fence
-permits     the operator's permission to move
-gate        events and the time in, a bounded twist out; the table of causes
+rules       the rules of the gate, pure
 link        frames between agent and gate
 driver      the vendor's driver over Zenoh
 operator    permits, start, stop and status

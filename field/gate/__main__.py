@@ -12,8 +12,8 @@ import sys
 from fes import process
 from fes.system import background_log, output
 from field.gate import process as gate_process
-from field.gate import settings
 from field.gate.link import TO_GATE, FrameSocket
+from field.gate.rules import settings
 
 DRAIN = 0.5
 """Longest wait for the log at the end, when the robot stands [s]."""

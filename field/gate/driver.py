@@ -13,8 +13,8 @@ from fes.ros import graph, topics
 from fes.ros.messages import write_twist
 from fes.transport import foreign
 from fes.transport.bus import Bus
-from field.gate.frames import Twist
-from field.gate.settings import BodySettings
+from field.gate.rules.frames import Twist
+from field.gate.rules.settings import BodySettings
 
 MOST_WAITING = 256
 """Most samples that wait for the loop; the oldest is dropped."""

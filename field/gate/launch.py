@@ -10,7 +10,7 @@ from types import TracebackType
 from fes.errors import MessageError, Unavailable
 from field.gate import link
 from field.gate.link import TO_AGENT, Command, FrameSocket, PoseSeen, Progress
-from field.gate.settings import Settings
+from field.gate.rules.settings import Settings
 
 MOST_POSES = 256
 """Most poses that wait to be taken; the oldest is dropped."""

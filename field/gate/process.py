@@ -14,14 +14,15 @@ from fes.system import signals
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from field.gate import gate as rules
 from field.gate import link
 from field.gate.driver import Driver
-from field.gate.gate import NANO, Gate, Order
 from field.gate.link import FrameSocket, PoseSeen
 from field.gate.operator import Operator
-from field.gate.pose_guard import shown
-from field.gate.settings import Settings
+from field.gate.rules import gate as rules
+from field.gate.rules.gate import NANO
+from field.gate.rules.pose_guard import shown
+from field.gate.rules.settings import Settings
+from field.gate.rules.state import ZERO, Gate, Order
 
 PROGRESS = 0.1
 """Longest time between two states for the agent [s]."""
@@ -92,7 +93,7 @@ class Process:
         period = self._settings.timing.period
         is_ending = end < math.inf
         deadline = time.monotonic() + period
-        while not (is_ending and self._gate.twist == rules.ZERO) and time.monotonic() < end:
+        while not (is_ending and self._gate.twist == ZERO) and time.monotonic() < end:
             await asyncio.sleep(max(0.0, deadline - time.monotonic()))
             self._absorb()
             if self._agent.is_closed and not is_ending:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from field.gate.settings import BodySettings, Limits, Placement, Settings, Timing, TopicSettings
+from field.gate.rules.settings import BodySettings, Limits, Placement, Settings, Timing, TopicSettings
 from field.settings.body import ROBOT
 from field.settings.robot_file import RobotFile
 

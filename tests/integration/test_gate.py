@@ -14,8 +14,8 @@ from fes.ros import graph, topics
 from fes.ros.messages import write_twist
 from fes.transport import foreign
 from fes.transport.bus import Query
-from field.gate import gate as rules
-from field.gate.settings import Timing, TopicSettings
+from field.gate.rules import gate as rules
+from field.gate.rules.settings import Timing, TopicSettings
 from tests.support.gate_stage import PATIENT, Stage, driving, gate, settings, stage, until
 from tests.support.processes import PATIENCE
 from tests.support.session import client

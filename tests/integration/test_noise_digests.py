@@ -67,6 +67,19 @@ def test_runs_that_differ_only_in_what_robots_are_not_told_are_stacked() -> None
     assert [without_wall_clock(summary) for summary in stacked.run(together, "x")] == alone(together)
 
 
+@pytest.mark.parametrize(("kind", "matters"), [("unfiltered", False), ("white", True)])
+def test_a_study_hides_a_lag_from_the_robots_which_matters_only_to_dead_reckoning(kind: str, matters: bool) -> None:
+    hidden = load("measured.toml", run__duration=2.0, **KINDS[kind])
+    lagging = load("measured.toml", run__duration=2.0, robots__actuator_lag=0.2, **KINDS[kind])
+
+    def final_poses(told: Scenario | None) -> bytes:
+        *_, last = stacked.ticks([lagging], None if told is None else [told])
+        return last[0].state.poses.tobytes()
+
+    assert final_poses(lagging) == final_poses(None)
+    assert (final_poses(hidden) != final_poses(None)) is matters
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_log_of_noise_is_executed_again_and_has_the_fixes_as_they_were_sensed(kind: str, tmp_path: Path) -> None:
     scenario = noisy(kind)

@@ -8,9 +8,9 @@ import asyncio
 import sys
 import time
 
-from field.gate import settings
 from field.gate.launch import launch
 from field.gate.link import Command
+from field.gate.rules import settings
 
 PERIOD = 20_000_000
 """Period of the commands [ns]."""

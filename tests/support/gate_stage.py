@@ -22,7 +22,7 @@ from fes.transport.bus import Bus
 from field.gate.launch import AgentLink
 from field.gate.link import TO_AGENT, TO_GATE, Command, FrameSocket, pair
 from field.gate.process import Process
-from field.gate.settings import BodySettings, Settings, Timing, TopicSettings
+from field.gate.rules.settings import BodySettings, Settings, Timing, TopicSettings
 from tests.support.processes import PATIENCE
 from tests.support.ros_body import RosBody, publishing
 from tests.support.session import client, router

@@ -5,9 +5,9 @@ from typing import Any
 
 from fes.protocol.robot_control import GateStatus, Permit, Start
 from fes.ros.messages import PoseMessage
-from field.gate import gate as rules
-from field.gate.gate import Gate, Order
-from field.gate.settings import Limits, Settings, Timing
+from field.gate.rules import gate as rules
+from field.gate.rules.settings import Limits, Settings, Timing
+from field.gate.rules.state import Gate, Order
 
 PERIOD = 0.02
 FRAME = "map"

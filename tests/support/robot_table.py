@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 import tomli_w
 
 from console.backends.process_group import free_port
-from console.team import gates
+from console.team import gates, permit
 from console.team.robot_tables import robot_tables
 from console.team.table_run import free_datagram_port
 from fes.protocol import keys
@@ -136,12 +136,15 @@ class Stage:
 async def stage(
     folder: Path,
     change: Callable[[dict[str, Any]], None] = lambda tables: None,
+    environment: Mapping[str, str] | None = None,
     **table: Any,
 ) -> AsyncIterator[Stage]:
     """A table and a robot that is ready, and stands; its gate reaches its driver over `Stage.link`.
 
-    `change` edits the tables of robot.toml, and `table` overrides fields of [tabletop].
+    `change` edits the tables of robot.toml, `environment` is added to that of both processes, and `table` overrides
+    fields of [tabletop].
     """
+    variables = {**os.environ, **(environment or {})}
     endpoint, radio = f"tcp/127.0.0.1:{free_port()}", f"127.0.0.1:{free_datagram_port()}"
     overrides = {f"tabletop.{name}": value for name, value in table.items()}
     alone = {"robots.poses": [[0.0, 0.0, 0.0]], **overrides}
@@ -154,7 +157,7 @@ async def stage(
     robot = ["field", str(folder / "robot.toml"), "--id", "0", "--out", str(folder), "--use", "tests.support.cruise"]
     started: list[subprocess.Popen[bytes]] = []
     try:
-        started.append(_start(folder / "table.log", *words, *sets))
+        started.append(_start(folder / "table.log", variables, *words, *sets))
         connected = bus.opened(Endpoints("client", (endpoint,), timeout=PATIENCE))
         async with connected as session, proxy.link(endpoint) as link:
             on = Stage(folder, session, link)
@@ -162,7 +165,7 @@ async def stage(
             tables["body"]["endpoint"] = link.endpoint
             change(tables)
             (folder / "robot.toml").write_text(tomli_w.dumps(tables))
-            started.append(_start(folder / "robot.log", *robot))
+            started.append(_start(folder / "robot.log", variables, *robot))
             on.robot = started[1]
             while await on.status() is None:
                 assert on.robot.poll() is None, on.log()
@@ -173,11 +176,10 @@ async def stage(
             end(process)
 
 
-def _start(log: Path, *words: str) -> "subprocess.Popen[bytes]":
+def _start(log: Path, variables: Mapping[str, str], *words: str) -> "subprocess.Popen[bytes]":
+    command = [sys.executable, "-m", *words]
     with log.open("wb") as out:
-        return subprocess.Popen(
-            [sys.executable, "-m", *words], cwd=ROOT, stdin=subprocess.DEVNULL, stdout=out, stderr=out
-        )
+        return subprocess.Popen(command, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
 
 
 def end(process: "subprocess.Popen[bytes]") -> None:
@@ -202,6 +204,15 @@ def run(main: Callable[[], Awaitable[None]]) -> None:
 def now() -> float:
     """The clock of the truth [s; monotonic]."""
     return time.monotonic()
+
+
+@asynccontextmanager
+async def moving(on: Stage) -> AsyncIterator[None]:
+    """A robot that cruises while an operator holds its permit."""
+    async with permit.held(on.session, RUN):
+        assert gates.is_started((await gates.start(on.session, RUN, [0]))[0])
+        await is_running(on)
+        yield
 
 
 async def is_running(on: Stage) -> None:

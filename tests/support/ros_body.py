@@ -12,7 +12,7 @@ from fes.ros import topics
 from fes.ros.messages import PoseMessage, read_twist, write_pose
 from fes.transport import foreign
 from fes.transport.bus import Bus
-from field.gate.settings import BodySettings
+from field.gate.rules.settings import BodySettings
 
 PERIOD = 0.02
 """Period of the poses [s]."""

@@ -12,7 +12,7 @@ from contextlib import asynccontextmanager
 from console.backends.process_group import free_port
 from fes.protocol.robot_control import HELD
 from field.gate.link import TO_AGENT, FrameSocket, pair
-from field.gate.settings import Settings, Timing
+from field.gate.rules.settings import Settings, Timing
 from tests.support.gate_stage import Stage, settings, stage, until
 from tests.support.paths import ROOT
 from tests.support.processes import PATIENCE, alive

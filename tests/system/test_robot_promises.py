@@ -6,31 +6,24 @@ The robot cruises at full speed on a table whose driver holds its last command f
 import asyncio
 import os
 import signal
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 from console.team import gates, permit
 from fes.protocol.robot_control import HELD, STOPPED
 from fes.ros import messages
 from fes.ros.topics import Topic, publish_key
 from fes.transport import foreign
-from tests.support.robot_table import RUN, Stage, bound, ended, is_running, now, run, stage
+from tests.support.robot_table import RUN, bound, ended, is_running, moving, now, run, stage
 
 TIMEOUT, PERMIT = 0.25, 1.0
 """Times after which the gate notices a missing command and a missing permit [s]."""
 
+SCALE, FENCE = 100.0, 0.35
+"""Meters of the truth per meter of the body, and the border ahead of the robot [m; of the body]."""
+
 CUT = 3.0
 """Length of a cut [s]: the commands of this time wait in the link."""
-
-
-@asynccontextmanager
-async def moving(on: Stage) -> AsyncIterator[None]:
-    """A robot that cruises while an operator holds its permit."""
-    async with permit.held(on.session, RUN):
-        assert gates.is_started((await gates.start(on.session, RUN, [0]))[0])
-        await is_running(on)
-        yield
 
 
 def test_a_robot_whose_agent_is_killed_stands(tmp_path: Path) -> None:
@@ -122,6 +115,23 @@ def test_nothing_computed_before_a_cut_of_the_drivers_link_moves_the_robot_after
             await on.mode(STOPPED)
 
     run(main)
+
+
+def test_a_robot_that_drives_at_its_fence_stands_before_it(tmp_path: Path) -> None:
+    async def main() -> None:
+        async with stage(tmp_path, change=_fence) as on, permit.held(on.session, RUN):
+            assert gates.is_started((await gates.start(on.session, RUN, [0]))[0])
+            status = await on.mode(STOPPED, "the fence is within the braking distance")
+            assert status.reason.count("\n") == 0
+            await on.stands(now())
+            xs = [line["poses"][0][0] / SCALE for line in on.truth()]
+            assert max(xs) < FENCE  # its circle has a radius of 0.4 m
+
+    run(main)
+
+
+def _fence(tables: dict[str, dict[str, Any]]) -> None:
+    tables["limits"]["fence"] = [[-1.0, -1.0], [FENCE, -1.0], [FENCE, 1.0], [-1.0, 1.0]]
 
 
 def test_a_second_program_that_drives_the_robot_stops_it_in_one_line(tmp_path: Path) -> None:

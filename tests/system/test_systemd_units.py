@@ -45,9 +45,8 @@ def drop_in(name: str) -> str:
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="units: skipped, because there is no systemd")
 @pytest.mark.parametrize("secure", [False, True])
 def test_systemd_accepts_the_units(tmp_path: Path, secure: bool) -> None:
-    names = {"fes-world.service": "fes-world.service", "fes-agent@3.service": "fes-agent@.service"}
-    if not secure:
-        names["fes-robot@3.service"] = "fes-robot@.service"
+    templates = {f"fes-{kind}@3.service": f"fes-{kind}@.service" for kind in ("agent", "robot")}
+    names = {"fes-world.service": "fes-world.service", **templates}
     for installed, name in names.items():
         (tmp_path / installed).write_text(text(name))
         if secure:

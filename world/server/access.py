@@ -10,13 +10,16 @@ to them. If the router is another process, the world is one more role, which may
 | observer    | nothing                       | reports, all tokens                          | world info           |
 | operator    | nothing                       | reports, all tokens                          | world info, a change |
 
-A team of real robots has no world. The rules of its router, which `fes keys rules` prints, allow in addition:
+A team of real robots has no world. The rules of its router, `fes team router` or one with the configuration that
+`fes keys rules` prints, allow in addition:
 
 | role        | may publish          | may receive | may query         | may answer          |
 |-------------|----------------------|-------------|-------------------|---------------------|
-| robot-<ids> | own reports, tokens  | permits     | nothing           | start, stop, status |
+| robot-<ids> | own reports, tokens  | permits     | own gate's token  | start, stop, status |
 | observer    | nothing              | reports     | status            | nothing             |
 | operator    | permits              | reports     | status, start, stop | nothing           |
+
+A gate asks for its own token, because a robot has one gate: a second one, by mistake, must not start.
 """
 
 from collections.abc import Iterable, Sequence
@@ -63,7 +66,8 @@ def roles(settings: dict[str, object]) -> list[str]:
 
 def _robot(run: str, role: str, hosted: Sequence[int]) -> list[Rule]:
     own = [key(run, robot) for robot in hosted for key in (keys.beacon, keys.command, keys.robot_report)]
-    tokens = [key(run, robot) for robot in hosted for key in (keys.robot_alive, keys.gate_alive)]
+    gates = [keys.gate_alive(run, robot) for robot in hosted]
+    tokens = [*(keys.robot_alive(run, robot) for robot in hosted), *gates]
     asked = [key(run, robot) for robot in hosted for key in (keys.gate_start, keys.gate_stop, keys.gate_status)]
     observations = [keys.observation(run, robot) for robot in hosted]
     beacons = keys.beacon(run, "*")  # peers in range change each tick: the radio decides, not the router
@@ -71,6 +75,8 @@ def _robot(run: str, role: str, hosted: Sequence[int]) -> list[Rule]:
     return [
         _allow(f"{role} publishes", "ingress", ["put"], own),
         _allow(f"{role} is alive", "ingress", ["liveliness_token"], tokens),
+        _allow(f"{role} asks for another gate of its own", "ingress", ["liveliness_query"], gates),
+        _allow(f"{role} learns of another gate of its own", "egress", ["liveliness_token"], gates),
         _allow(f"{role} subscribes", "ingress", ["declare_subscriber"], [*observations, beacons]),
         _allow(f"{role} receives", "egress", ["put"], [*observations, beacons]),
         _allow(f"{role} joins", "ingress", ["query"], [welcome]),

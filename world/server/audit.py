@@ -120,9 +120,9 @@ class Audit:
 
 
 @contextlib.asynccontextmanager
-async def running(roles: Iterable[str]) -> AsyncIterator[None]:
+async def running(roles: Iterable[str], logger: logging.Logger) -> AsyncIterator[None]:
     """Context in which the rejections of a run with these `roles` are logged, and at its end their totals."""
-    audit = Audit(logging.getLogger("world"), roles)
+    audit = Audit(logger, roles)
     sys.stdout.flush()
     original = os.dup(1)
     read_end, write_end = os.pipe()

@@ -57,10 +57,14 @@ def test_a_robot_publishes_only_on_its_own_keys() -> None:
 def test_a_robot_receives_its_own_observation_beacons_permits_and_the_token_of_the_world() -> None:
     for flow, message in (("ingress", "declare_subscriber"), ("egress", "put")):
         assert everything(message, flow, "robot-3") == {"robot/3/observation", "team/permit", *BEACONS}
-    for flow, message in (("ingress", "declare_liveliness_subscriber"), ("egress", "liveliness_token")):
-        assert everything(message, flow, "robot-3") == {"world/alive"}
+    assert everything("declare_liveliness_subscriber", "ingress", "robot-3") == {"world/alive"}
+    assert everything("liveliness_token", "egress", "robot-3") == {"world/alive", "robot/3/gate"}
     assert everything("reply", "egress", "robot-3") == {"world/welcome/3", *recalled("3")}
     assert everything("query", "egress", "robot-3") == {"robot/3/recall", *GATE_3}
+
+
+def test_a_gate_may_only_ask_whether_another_gate_of_its_own_robot_is_alive() -> None:
+    assert everything("liveliness_query", "ingress", "robot-3") == {"robot/3/gate"}
 
 
 def test_a_crew_has_the_rights_of_its_robots_and_asks_for_them_together() -> None:

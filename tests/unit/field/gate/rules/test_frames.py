@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from field.gate import frames
-from field.gate.settings import Placement
+from field.gate.rules import frames
+from field.gate.rules.settings import Placement
 
 meters = st.floats(-50.0, 50.0)
 angles = st.floats(-3.0, 3.0)

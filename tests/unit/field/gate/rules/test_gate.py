@@ -5,8 +5,8 @@ import math
 import pytest
 
 from fes.protocol.robot_control import HELD, RUNNING, STOPPED, Start
-from field.gate import gate as rules
-from field.gate.settings import Placement
+from field.gate.rules import gate as rules
+from field.gate.rules.settings import Placement
 from tests.support.gates import PERIOD, ROUNDING, Rig, running, settings
 
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import pytest
 
-from field.gate import motion
-from field.gate.frames import Pose, Twist
-from field.gate.motion import Motion
-from field.gate.settings import Limits
+from field.gate.rules import motion
+from field.gate.rules.frames import Pose, Twist
+from field.gate.rules.motion import Motion
+from field.gate.rules.settings import Limits
 
 LIMITS = Limits()
 WINDOW = 2.0

@@ -3,8 +3,8 @@
 import pytest
 
 from fes.protocol.robot_control import STOPPED, Permit
-from field.gate import permits
-from field.gate.permits import Permits
+from field.gate.rules import permits
+from field.gate.rules.permits import Permits
 from tests.support.gates import Rig, running
 
 SECOND = 1_000_000_000

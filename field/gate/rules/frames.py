@@ -5,7 +5,7 @@ A twist is in the robot's own frame, so that it is scaled, and not turned.
 
 import math
 
-from field.gate.settings import Placement
+from field.gate.rules.settings import Placement
 
 Pose = tuple[float, float, float]
 """x, y, heading [m, m, rad]."""
@@ -33,6 +33,19 @@ def wrapped(angle: float) -> float:
     True
     """
     return math.remainder(angle, 2 * math.pi)
+
+
+def moved(placement: Placement, pose: Pose, twist: Twist, dt: float) -> Pose:
+    """A pose of the team frame after a body had a twist for `dt` [s], on an arc.
+
+    >>> moved(Placement(scale=100.0), (0.0, 0.0, 0.0), (0.2, 0.0), 0.5)
+    (10.0, 0.0, 0.0)
+    """
+    x, y, heading = pose
+    travel, turn = placement.scale * twist[0] * dt, twist[1] * dt
+    chord = travel * (math.sin(turn / 2) / (turn / 2) if turn else 1.0)
+    middle = heading + turn / 2
+    return x + chord * math.cos(middle), y + chord * math.sin(middle), heading + turn
 
 
 def to_body_twist(placement: Placement, linear: float, angular: float) -> Twist:

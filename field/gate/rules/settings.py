@@ -86,6 +86,18 @@ class Limits:
     pose_jump: float = 0.05
     """Distance that two poses may be further apart than the limits allow [m]."""
 
+    def clipped(self, linear: float, angular: float) -> tuple[float, float]:
+        """A twist within the limits of the velocities."""
+        return _clipped(linear, -self.linear, self.linear), _clipped(angular, -self.angular, self.angular)
+
+    def approached(self, last: tuple[float, float], wanted: tuple[float, float], dt: float) -> tuple[float, float]:
+        """The twist `dt` [s] after the last one, on the way to a wanted one, within the limits of accelerations."""
+        linear, angular = self.acceleration * dt, self.angular_acceleration * dt
+        return (
+            _clipped(wanted[0], last[0] - linear, last[0] + linear),
+            _clipped(wanted[1], last[1] - angular, last[1] + angular),
+        )
+
 
 @dataclass(frozen=True)
 class Timing:
@@ -109,6 +121,11 @@ class Timing:
     """Time within which the pose must move as commanded; None for no check."""
     patience: float = 30.0
     """Longest wait for the endpoints at the start."""
+
+    @property
+    def longest_period(self) -> float:
+        """Longest tolerated period of the gate's loop."""
+        return self.period + self.lateness
 
 
 @dataclass(frozen=True)
@@ -195,6 +212,10 @@ def _check_numbers(settings: Settings) -> None:
 
 def _is_number(value: object) -> bool:
     return type(value) in (int, float) and math.isfinite(value) and abs(value) <= MOST  # type: ignore[arg-type]
+
+
+def _clipped(value: float, least: float, most: float) -> float:
+    return max(least, min(most, value))
 
 
 def _check(holds: bool, rule: str, value: object) -> None:

@@ -1,14 +1,12 @@
 """The rules that a pose must keep before anything relies on it: frame, stamp, distance and fence."""
 
 import math
-from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 from fes.ros.messages import PoseMessage
-from field.gate import frames
-from field.gate.frames import Pose, Twist
-from field.gate.settings import Settings
+from field.gate.rules import fence, frames
+from field.gate.rules.frames import Pose, Twist
+from field.gate.rules.settings import Settings
 
 UNKNOWN = (math.nan, math.nan)
 """The twist of a body whose pose has none."""
@@ -60,7 +58,7 @@ def shown(text: str) -> str:
 def problem(settings: Settings, last: Seen | None, new: Seen, *, is_latched: bool) -> str:
     """The reason why a pose cannot be right, in one line; empty if it can. A person may carry a stopped robot."""
     x, y, _ = new.pose
-    if not is_inside(settings.fence, x, y):
+    if not fence.is_inside(settings.fence, x, y):
         return f"the pose is outside the fence: {x:.2f}, {y:.2f} m"
     if last is None or is_latched:
         return ""
@@ -77,22 +75,3 @@ def _reach(settings: Settings, last: Seen, new: Seen) -> float:
     longest = timing.pose_age + timing.timeout + limits.linear / limits.acceleration
     elapsed = min(new.received_at - last.received_at, longest)
     return limits.linear * (elapsed + timing.pose_age) + limits.pose_jump
-
-
-def is_inside(fence: Sequence[tuple[float, float]], x: float, y: float) -> bool:
-    """True if a point lies in a polygon, or there is no polygon; either may hold on its border.
-
-    A ray from the point to the right crosses the border of its polygon an odd number of times. The polygon may be
-    concave, and its corners may run either way.
-
-    >>> square = (0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)
-    >>> is_inside(square, 0.5, 0.5), is_inside(square, 1.5, 0.5), is_inside((), 1e9, 0.0)
-    (True, False, True)
-    """
-    if not fence:
-        return True
-    is_odd = False
-    for (x1, y1), (x2, y2) in pairwise((*fence, fence[0])):
-        if (y1 > y) != (y2 > y) and x < x1 + (y - y1) / (y2 - y1) * (x2 - x1):
-            is_odd = not is_odd
-    return is_odd

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fes.errors import FesError
-from field.gate.settings import BodySettings, Limits, Placement, Settings, Timing, TopicSettings, from_json
+from field.gate.rules.settings import BodySettings, Limits, Placement, Settings, Timing, TopicSettings, from_json
 
 FULL = Settings(
     robot=3,

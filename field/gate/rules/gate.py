@@ -7,7 +7,7 @@ person starts the robot again.
 |---------------------------------------------------------------------|---------|
 | not started yet, or stopped by the operator                         | stopped |
 | the operator's permit has lapsed                                    | stopped |
-| the pose is outside the fence                                       | stopped |
+| the pose is outside the fence, or within its braking distance       | stopped |
 | a pose of a wrong frame, or a payload of a wrong type               | stopped |
 | the pose jumps further than the body can move                       | stopped |
 | another program commands the body                                   | stopped |
@@ -27,18 +27,14 @@ v²/2a + v (timeout + 2 period). Everything here is in the body's units, except 
 """
 
 import math
-from typing import NamedTuple
 
 from fes.protocol.robot_control import HELD, RUNNING, STOPPED, GateStatus, Permit, Start
 from fes.ros.messages import PoseMessage
-from field.gate import frames, motion, permits, pose_guard
-from field.gate.frames import Twist
-from field.gate.motion import Motion
-from field.gate.permits import Permits
-from field.gate.pose_guard import Seen
-from field.gate.settings import Settings
-
-ZERO = (0.0, 0.0)
+from field.gate.rules import fence, frames, motion, permits, pose_guard
+from field.gate.rules.frames import Twist
+from field.gate.rules.motion import Motion
+from field.gate.rules.settings import Settings
+from field.gate.rules.state import ZERO, Gate, Order
 
 NANO = 1_000_000_000
 
@@ -47,51 +43,6 @@ RIVAL = 1.0
 
 START_AGE = 1.0
 """Largest age of a start [s]: a person no longer expects the motion of one that the network held up."""
-
-
-class Order(NamedTuple):
-    """A command from the agent, in the law's units."""
-
-    sequence: int
-    computed_at: float
-    """Time at which its computation ended [s]."""
-    linear: float
-    angular: float
-    heard_at: float
-    """Time at which the robot heard a peer last [s]; -inf before the first."""
-
-
-class Gate(NamedTuple):
-    """The state of a gate."""
-
-    zero: int = 0
-    """Reading of the gate's clock at time 0 [ns]: a random number, so that no other gate's readings match."""
-    twist: Twist = ZERO
-    """The twist that goes to the body now."""
-    wanted: Twist = ZERO
-    """The last good command, clipped."""
-    computed_at: float = -math.inf
-    """Time at which it was computed [s]."""
-    sequence: int = -1
-    since: float = -math.inf
-    """Only commands that are computed after this time count [s]."""
-    latch: str = "not started"
-    """Why it is stopped; empty if it is not."""
-    hold: str = ""
-    """Why it commands zero at present; empty if it does not."""
-    is_started: bool = False
-    """True from the first start on: before it, nothing is published."""
-    updated: float = -math.inf
-    """Time of the last twist [s]."""
-    seen: Seen | None = None
-    problem: str = ""
-    """Why the last pose is not usable; empty if it is."""
-    heard_at: float = -math.inf
-    rival_at: float = -math.inf
-    permits: Permits = Permits()
-    motion: Motion = Motion()
-    accepted: int = 0
-    refused: int = 0
 
 
 def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
@@ -104,7 +55,7 @@ def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:
         return gate._replace(refused=gate.refused + 1)
     if gate.latch:
         return gate
-    wanted = _clipped(linear, settings.limits.linear), _clipped(angular, settings.limits.angular)
+    wanted = settings.limits.clipped(linear, angular)
     gate = gate._replace(wanted=wanted, computed_at=order.computed_at, sequence=order.sequence)
     return gate._replace(accepted=gate.accepted + 1)
 
@@ -128,7 +79,7 @@ def posed(gate: Gate, settings: Settings, now: float, message: PoseMessage) -> G
     if pose_guard.is_stale(gate.seen, seen, is_latched=is_latched):
         return gate
     problem = pose_guard.problem(settings, gate.seen, seen, is_latched=is_latched)
-    gate = gate._replace(seen=seen, problem=problem)
+    gate = gate._replace(seen=seen, pose=seen.pose, posed_at=seen.received_at, problem=problem)
     return faulted(gate, problem) if problem else gate
 
 
@@ -164,7 +115,7 @@ def started(gate: Gate, settings: Settings, now: float, start: Start) -> tuple[G
 
 def updated(gate: Gate, settings: Settings, now: float, late: float) -> Gate:
     """The gate with the twist to send at `now` [s]; its loop is `late` [s]."""
-    timing, limits = settings.timing, settings.limits
+    timing = settings.timing
     if not gate.latch and not _has_permit(gate, settings, now):
         gate = stopped(gate, "the operator's permit has lapsed")
     hold = "" if gate.latch else _cause(gate, settings, now, late)
@@ -172,13 +123,12 @@ def updated(gate: Gate, settings: Settings, now: float, late: float) -> Gate:
         gate = _forgotten(gate)._replace(since=now)
     elif not now - gate.computed_at <= timing.timeout:
         hold = f"no command from the agent for {timing.timeout:g} s"
-    wanted = ZERO if gate.latch or hold else gate.wanted
-    dt = max(0.0, min(now - gate.updated, timing.period + timing.lateness))
-    twist = (
-        _approached(gate.twist[0], wanted[0], limits.acceleration * dt),
-        _approached(gate.twist[1], wanted[1], limits.angular_acceleration * dt),
-    )
-    return _checked(gate._replace(hold=hold, updated=now), settings, now)._replace(twist=twist)
+    gate = _moved(gate._replace(hold=hold), settings, now)
+    twist = _next_twist(gate, settings, now, ZERO if gate.latch or hold else gate.wanted)
+    if gate.pose and not gate.latch and (problem := fence.braking_problem(settings, gate.pose, twist)):
+        gate = stopped(gate, problem)._replace(since=now)
+        twist = _next_twist(gate, settings, now, ZERO)
+    return _checked(gate._replace(updated=now), settings, now)._replace(twist=twist)
 
 
 def status(gate: Gate, settings: Settings, now: float) -> GateStatus:
@@ -214,6 +164,20 @@ def _cause(gate: Gate, settings: Settings, now: float, late: float) -> str:
     return ""
 
 
+def _moved(gate: Gate, settings: Settings, now: float) -> Gate:
+    """The gate with the pose at `now` [s], after the twist that went out."""
+    if gate.pose is None or now <= gate.posed_at:
+        return gate
+    pose = frames.moved(settings.placement, gate.pose, gate.twist, now - gate.posed_at)
+    return gate._replace(pose=pose, posed_at=now)
+
+
+def _next_twist(gate: Gate, settings: Settings, now: float, wanted: Twist) -> Twist:
+    """The twist to send at `now` [s] on the way to a wanted one."""
+    dt = max(0.0, min(now - gate.updated, settings.timing.longest_period))
+    return settings.limits.approached(gate.twist, wanted, dt)
+
+
 def _checked(gate: Gate, settings: Settings, now: float) -> Gate:
     """The gate after the check of the body's motion under the twist that went out until `now` [s]."""
     window, scale = settings.timing.motion_check, settings.placement.scale
@@ -238,11 +202,3 @@ def _has_permit(gate: Gate, settings: Settings, now: float) -> bool:
 
 def _has_pose(gate: Gate, settings: Settings, now: float) -> bool:
     return gate.seen is not None and now - gate.seen.received_at <= settings.timing.pose_age
-
-
-def _clipped(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
-
-
-def _approached(value: float, wanted: float, step: float) -> float:
-    return max(value - step, min(value + step, wanted))

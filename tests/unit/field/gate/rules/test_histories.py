@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fes.protocol.robot_control import RUNNING, STOPPED
-from field.gate import gate as rules
-from field.gate.settings import Limits
+from field.gate.rules import gate as rules
+from field.gate.rules.settings import Limits
 from tests.support.gates import PERIOD, ROUNDING, Rig
 from tests.support.gates import settings as gate_settings
 

@@ -8,8 +8,8 @@ slip, saturate and lag, so a factor from 1/3 to 3 at any lag up to 0.3 s passes.
 import math
 from typing import NamedTuple
 
-from field.gate.frames import Pose, Twist, wrapped
-from field.gate.settings import Limits
+from field.gate.rules.frames import Pose, Twist, wrapped
+from field.gate.rules.settings import Limits
 
 SPACING = 0.05
 """Duration of one sample [s]."""
