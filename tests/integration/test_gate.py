@@ -1,7 +1,6 @@
 """The gate on real Zenoh sessions, with a body that speaks ROS 2 bytes in both styles of keys."""
 
 import asyncio
-import threading
 from collections.abc import Awaitable, Callable
 from itertools import pairwise
 from typing import Any
@@ -13,7 +12,6 @@ from fes.protocol.robot_control import HELD, RUNNING, STOPPED
 from fes.ros import graph, topics
 from fes.ros.messages import write_twist
 from fes.transport import foreign
-from fes.transport.bus import Query
 from field.gate.rules import gate as rules
 from field.gate.rules.settings import Timing, TopicSettings
 from tests.support.gate_stage import PATIENT, Stage, driving, gate, settings, stage, until
@@ -200,39 +198,6 @@ def test_a_robot_is_held_while_its_agent_is_silent_and_then_resumes() -> None:
                 await on.speed(lambda linear: linear <= -0.1)
 
     run(main)
-
-
-def test_an_answer_that_waits_for_the_network_holds_up_neither_the_loop_nor_a_stop(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The network of the operator is congested: each answer waits for room."""
-    room = threading.Event()
-    at_once = Query.reply
-
-    def waiting(query: Query, payload: bytes, schema: str) -> None:
-        assert room.wait(PATIENCE)
-        at_once(query, payload, schema)
-
-    async def main() -> None:
-        async with stage() as on, gate(on.settings) as link, driving(link, 0.1):
-            await start(on)
-            await on.speed(lambda linear: linear >= 0.1)
-            monkeypatch.setattr(Query, "reply", waiting)
-            asked = asyncio.ensure_future(on.operator.status())
-            length = len(on.body.received)
-            await until(lambda: len(on.body.received) > length + 20)  # twists go out meanwhile
-            stopped = asyncio.ensure_future(on.operator.stop())
-            await on.speed(lambda linear: linear == 0.0)  # although its answer waits too
-            assert not asked.done()
-            assert not stopped.done()
-            room.set()
-            assert (await asked).mode == RUNNING
-            assert (await stopped).mode == STOPPED
-
-    try:
-        run(main)
-    finally:
-        room.set()
 
 
 def test_a_second_gate_of_a_robot_is_refused_and_the_first_one_stays() -> None:
