@@ -9,7 +9,6 @@ panels           convergence and connectivity
 links_panel      table of links
 team_panel       the team index, the robots that cut the links, and plans
 reception_panel  chart: reception as measuring robots learn it
-belief           measures of real robots, whose truth is unknown
 canvas           braille dots
 summary          the summary as tables for a terminal
 """

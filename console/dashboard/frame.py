@@ -11,7 +11,8 @@ from console.dashboard import links_panel, panels, reception_panel, team_panel
 from console.dashboard.canvas import Line
 from console.dashboard.header import header
 from console.dashboard.map_panel import legend, team_map
-from console.dashboard.panels import SERIES
+from console.measures import reception
+from console.measures.team import SERIES, series
 from console.terminal.formatting import styled
 from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
@@ -53,7 +54,7 @@ class ReportHistory:
         while report.tick // self.stride >= CAPACITY:
             self._coarsen()
         index = report.tick // self.stride
-        values = panels.series(report)
+        values = series(report)
         self._worst[:, index] = np.fmax(self._worst[:, index], np.where(np.isfinite(values), values, np.nan))
         self._seen[index] = True
         changed = report.changed_at / report.dt if report.dt > 0.0 else 0.0
@@ -138,7 +139,7 @@ def _wide(history: ReportHistory, report: Report, width: int, height: int) -> li
 def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
     lines, body = header(report, width, history.silence, history.modes), height - 2
-    chart = 1 + reception_panel.BESIDES + _CHART[0] if reception_panel.is_measured(report) else 0
+    chart = 1 + reception_panel.BESIDES + _CHART[0] if reception.is_measured(report) else 0
     spare = body - 4 - chart - 3 - (2 + len(report.a))  # lines that the other panels at full height leave free
     tall = min(max(spare, 2 * body // 5), width // 2) if body >= 14 else 0
     if tall:
@@ -186,7 +187,7 @@ def _team(report: Report, width: int, height: int) -> list[Line]:
 
 def _reception(report: Report, width: int, height: int) -> list[Line]:
     """The panel of reception in a column of `height` lines; empty unless robots measure."""
-    if height < _LEAST_COLUMN or not reception_panel.is_measured(report):
+    if height < _LEAST_COLUMN or not reception.is_measured(report):
         return []
     chart = min(max(height // 5, _CHART[0]), _CHART[1])
     return [

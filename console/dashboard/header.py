@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from rich.cells import cell_len
 
-from console.dashboard import belief, team_panel
+from console.dashboard import team_panel
 from console.dashboard.canvas import Line
+from console.measures import belief
 from console.terminal.formatting import count, length, number, styled
 from fes.protocol.report import Report
 from fes.system.output import printable

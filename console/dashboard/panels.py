@@ -5,8 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from console.dashboard import belief
 from console.dashboard.canvas import Line
+from console.measures import belief
+from console.measures.team import SERIES, labels, series
 from console.terminal.formatting import UNKNOWN, length, number, styled
 from fes.arrays.types import Floats, Ints
 from fes.protocol.report import Report
@@ -14,13 +15,6 @@ from world.metrics import graphs
 
 MAX_SPECTRUM = 250
 """Maximum number of robots for which the algebraic connectivity is computed; beyond, it would delay the display."""
-
-SERIES = {
-    "disagreement": "disagreement",
-    "estimate_error_max": "estimate error",
-    "separation_error_max": "separation error",
-}
-"""Plotted fields of a Report, and their labels."""
 
 _LABEL = max(map(len, [*SERIES.values(), *belief.SERIES]))
 _VALUE = 8
@@ -46,21 +40,13 @@ def connectivity(report: Report) -> list[Line]:
     return lines
 
 
-def series(report: Report) -> Floats:
-    """The plotted values of a Report [3] [m]."""
-    if report.is_of_robots:
-        return belief.series(report)
-    return np.array([getattr(report, name) for name in SERIES])
-
-
 def convergence(report: Report, history: Floats, changes: Ints, width: int, rows: int) -> list[Line]:
     """A sparkline per row of `history` [3, k] [m] on a log scale, `rows` high.
 
     k is `sparkline_width`; `changes` are the columns in which the channel changed.
     """
     lines: list[Line] = []
-    labels = belief.SERIES if report.is_of_robots else SERIES.values()
-    for values, label, latest in zip(history, labels, series(report).tolist(), strict=True):
+    for values, label, latest in zip(history, labels(report), series(report).tolist(), strict=True):
         now = f"{length(latest):>{_VALUE}}"
         low, high = log_range(values)
         bars = [_marked(bar, changes) for bar in bar_rows(values, low, high, rows)]

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from console.dashboard.canvas import Line
+from console.measures import team
 from console.terminal.formatting import number, percent, styled
 from fes.protocol.report import Report
-from world.metrics import graphs
 
 PLANS = ("direct", "contracting", "without a plan")
 """Kind of plan that a robot follows, by its number in the Report."""
@@ -36,8 +36,7 @@ def of_target(report: Report) -> str:
 
 def _cutting(report: Report) -> Line:
     robots = report.cutting.tolist()
-    is_known = (np.minimum(report.a, report.b) >= 0) & (np.maximum(report.a, report.b) < len(report.alive))
-    parts = graphs.parts(report.alive == 1, report.a[is_known], report.b[is_known])
+    parts = team.parts(report)
     if parts > 1:
         return [styled("cutting     ", "dim"), styled(f"the links are already cut, into {parts} parts", "bold red")]
     if not robots:

@@ -17,7 +17,7 @@ LAYERS = (
     {"field.runtime", "world.process"},
     {"field.process", "world.__main__", "console.guide", "console.schema", "console.terminal"},
     {"field.__main__"},
-    {"console.keys"},
+    {"console.keys", "console.measures"},
     {"console.connect"},
     {"console.dashboard", "console.doctor"},
     {"console.backends", "console.replay"},
