@@ -7,6 +7,7 @@ backends   how runs are executed: processes, one loop, stacked
 connect    run directories, reports of a running world, and fes set
 measures   numbers of a report that every view shows
 dashboard  the live dashboard: reports to frames
+web        the page of a run in a browser
 terminal   lines, tables, progress, full-screen frames, keys pressed
 replay     logs: fes replay and fes compare
 sweep      fes sweep: many runs, compared

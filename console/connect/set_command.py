@@ -1,11 +1,10 @@
 """fes set: change the channel of a running run."""
 
-import math
 from typing import Annotated
 
 import typer
 
-from console.connect import run_directory
+from console.connect import channel_request, run_directory
 from console.connect.options import Cfg, Config, Connect, OperatorKeys, Run
 from console.connect.run_directory import Client
 from console.terminal import printing, progress
@@ -13,7 +12,6 @@ from fes import command_line, process
 from fes.errors import Unavailable
 from fes.protocol import channel_change, keys
 from fes.protocol.channel_change import ParameterChange
-from fes.system import strict_json
 from fes.transport import bus
 from fes.transport.identity import OPERATOR
 from world.config import remarks
@@ -37,7 +35,9 @@ def set_command(
     ] = 5.0,
 ) -> int:
     """Change the channel of a running run (by default the latest one started in this folder)."""
-    changes = [channel_change.encode_change(ParameterChange(*parse_override(text))) for text in settings]
+    changes = [ParameterChange(*parse_override(text)) for text in settings]
+    for change in changes:
+        channel_change.encode_change(change)  # reject a value that JSON cannot hold before the first request
     endpoints = run_directory.endpoints(Client(OPERATOR, certificates, run, timeout), connect, config, cfg)
 
     async def send() -> int:
@@ -45,15 +45,10 @@ def set_command(
             for change in changes:
                 try:
                     with progress.waiting("waiting for the world's answer"):
-                        answer = await session.get(keys.change(run), change, timeout)
-                except Unavailable:
-                    raise Unavailable(f"no world of run '{run}' answers at {endpoints.shown}") from None
-                result = channel_change.decode_result(answer)
-                optimal = result.optimal_separation
-                printing.line(
-                    f"{result.path} = {strict_json.dumps(result.value)} from tick {result.tick} on; "
-                    + (f"r* = {optimal:.3f} m" if math.isfinite(optimal) else "it has no r*")
-                )
+                        result = await channel_request.send(session, run, change, timeout)
+                except Unavailable as error:
+                    raise Unavailable(f"{error} at {endpoints.shown}") from None
+                printing.line(channel_request.described(result))
             if result.unnoticed:  # of the last change, since it describes the present channel
                 printing.line(remarks.UNNOTICED)
         return process.SUCCESS

@@ -19,6 +19,7 @@ LAYERS = (
     {"field.__main__"},
     {"console.keys", "console.measures"},
     {"console.connect"},
+    {"console.web"},
     {"console.dashboard", "console.doctor"},
     {"console.backends", "console.replay"},
     {"console.analysis", "console.check", "console.team"},
