@@ -3,6 +3,8 @@
 import contextlib
 import errno
 import logging
+import os
+import socket
 from collections.abc import AsyncIterator, Callable
 
 from bokeh.application import Application
@@ -10,18 +12,23 @@ from bokeh.application.handlers.function import FunctionHandler
 from bokeh.document import Document
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
-from bokeh.server.util import bind_sockets
 from tornado.httpserver import HTTPServer
 from tornado.httputil import HTTPHeaders
 from tornado.ioloop import IOLoop
 from tornado.web import OutputTransform, RequestHandler
 
-from fes.errors import FesError, reason
+from fes.errors import FesError
 
 HOST = "127.0.0.1"
 
+BACKLOG = 128
+"""Largest number of connections that wait to be accepted."""
+
 ABSENCE = 5.0
 """Time after which the page of a browser that has left is forgotten [s]."""
+
+MakePage = Callable[[Document], None]
+"""Fills a new document for a browser. Bokeh wants that its argument is called `doc`."""
 
 LONGEST = 1 << 20
 """Longest message from a browser [bytes]."""
@@ -46,16 +53,18 @@ class _Quiet(BokehTornado):  # type: ignore[misc]
 
 
 @contextlib.asynccontextmanager
-async def opened(port: int, make_page: Callable[[Document], object]) -> AsyncIterator[str]:
+async def opened(port: int, make_page: MakePage) -> AsyncIterator[str]:
     """The address of a server that runs within the block; raises FesError in one line for a port that is taken.
 
     Only a page of this server can open its WebSocket: another origin, such as a page of the web, is rejected.
     """
     try:
-        sockets, bound = bind_sockets(HOST, port)
+        listener = socket.create_server((HOST, port), backlog=BACKLOG)
     except OSError as error:
         advice = "; --port 0 takes a free one" if error.errno == errno.EADDRINUSE else ""
-        raise FesError(f"--port {port}: {reason(error)}{advice}") from None
+        raise FesError(f"--port {port}: {os.strerror(error.errno or 0)}{advice}") from None
+    listener.setblocking(False)
+    bound = listener.getsockname()[1]
     application = _Quiet(
         {"/": Application(FunctionHandler(make_page))},
         extra_websocket_origins=[f"{HOST}:{bound}", f"localhost:{bound}"],
@@ -67,7 +76,7 @@ async def opened(port: int, make_page: Callable[[Document], object]) -> AsyncIte
     logging.getLogger("bokeh").setLevel(logging.ERROR)  # a browser that closes is no warning
     http = HTTPServer(application)
     server = BaseServer(IOLoop.current(), application, http)
-    http.add_sockets(sockets)
+    http.add_sockets([listener])
     server.start()
     try:
         yield f"http://{HOST}:{bound}/"
