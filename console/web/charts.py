@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from bokeh.models import ColumnDataSource, HoverTool, NumeralTickFormatter, PrintfTickFormatter, Range1d, Span
+from bokeh.models import ColumnDataSource, HoverTool, NumeralTickFormatter, PrintfTickFormatter, Span
 from bokeh.plotting import figure
 
 from console.measures import reception, team
@@ -48,9 +48,9 @@ class Curves:
         legend_key(plot, "channel changed", FADED, "dotted")
         plot.add_layout(self._cursor)
         tips = [(label, f"@{name}{{%.4g}}{unit}") for name, label in zip(names, labels, strict=True)]
-        told = {f"@{name}": "printf" for name in names}
+        forms = {f"@{name}": "printf" for name in names}
         tips = [("time", "@time{0.00} s"), *tips]
-        plot.add_tools(HoverTool(renderers=drawn[:1], tooltips=tips, formatters=told, mode="vline"))
+        plot.add_tools(HoverTool(renderers=drawn[:1], tooltips=tips, formatters=forms, mode="vline"))
         settle_legend(plot)
 
 
@@ -62,7 +62,6 @@ class Reception:
         self._counted = _source("counted", "link", "separation", "decoded", "learnt", "true")
         plot = self.figure = _chart("reception", "separation [m]", "reception", "linear")
         plot.visible = False
-        plot.y_range = Range1d(0.0, 1.02)
         plot.yaxis.formatter = NumeralTickFormatter(format="0%")
         learnt = _line(plot, self._learnt, "separation", "reception", _STYLES[0], "learnt")
         _line(plot, self._true, "separation", "reception", _STYLES[1], "true")

@@ -50,11 +50,11 @@ def header(report: Report | None, facts: RunFacts, status: Status) -> str:
     """The header as HTML; every text of the run is escaped."""
     state = f'<b class="{"bad" if status.is_warning else "state"}">{_text(status.words)}</b>'
     if report is None:
-        told = f"<span>run {_text(facts.run)}</span>{state}"
+        content = f"<span>run {_text(facts.run)}</span>{state}"
     else:
         spans = (f"<span>{name} <b>{_text(value)}</b></span>" for name, value in _facts(report, facts))
-        told = f"<h1>{_text(report.scenario)}</h1>{state}{''.join(spans)}"
-    return f'<div class="facts">{told}</div>'
+        content = f"<h1>{_text(report.scenario)}</h1>{state}{''.join(spans)}"
+    return f'<div class="facts">{content}</div>'
 
 
 def kind(report: Report, facts: RunFacts) -> str:
@@ -66,7 +66,7 @@ def _facts(report: Report, facts: RunFacts) -> list[tuple[str, str]]:
     alive = int(np.count_nonzero(report.alive == 1))
     done, duration = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
     share = report.beacons_decoded / report.beacons_sent if report.beacons_sent > 0 else math.nan
-    told = [
+    items = [
         ("index", kind(report, facts)),
         ("tick", f"{report.tick:,} / {report.ticks:,}"),
         ("time", f"{done} / {duration} s"),
@@ -79,16 +79,16 @@ def _facts(report: Report, facts: RunFacts) -> list[tuple[str, str]]:
         ("pace", f"{number(report.ticks_per_s, ',.0f')} ticks/s, ×{number(report.ticks_per_s * report.dt, ',.3g')}"),
     ]
     if len(report.missed):
-        told.append(("deadlines missed", f"{int(report.missed.sum()):,}"))
+        items.append(("deadlines missed", f"{int(report.missed.sum()):,}"))
     if report.has_team_index:
         reached, target = (number(value, ".4f") for value in (report.team_index, report.team_index_target))
-        told.append(("team index", f"{reached} of {target}"))
+        items.append(("team index", f"{reached} of {target}"))
     parts = team.parts(report)
     if parts > 1:
-        told.append(("links", f"cut into {parts} parts"))
+        items.append(("links", f"cut into {parts} parts"))
     elif len(report.cutting):
-        told.append(("cutting", ", ".join(map(str, report.cutting[:12].tolist()))))
-    return told
+        items.append(("cutting", ", ".join(map(str, report.cutting[:12].tolist()))))
+    return items
 
 
 def _text(text: str) -> str:

@@ -57,8 +57,8 @@ class History:
         """Time [s], the measures [m], and the team index and its target [1]; NaN where a log axis has no place."""
         values = np.array(self._values).reshape(len(self._values), len(SERIES) + 2)
         values[~(values > 0.0)] = math.nan
-        named = dict(zip((*SERIES, "index", "target"), values.T, strict=True))
-        return {"time": np.array(self._ticks, dtype=np.float64) * self.dt, **named}
+        measures = dict(zip((*SERIES, "index", "target"), values.T, strict=True))
+        return {"time": np.array(self._ticks, dtype=np.float64) * self.dt, **measures}
 
     def changes(self) -> Columns:
         """Times at which the channel changed [s]."""
@@ -103,10 +103,10 @@ class History:
             self._pause = max(1, (self._stops[-1] - self._stops[0]) // max(1, len(self._stops) - 1))
 
     def _forget_from(self, tick: int) -> None:
-        kept = int(np.searchsorted(self._ticks, tick))
-        self._ticks, self._values = self._ticks[:kept], self._values[:kept]
-        kept = int(np.searchsorted(self._stops, tick))
-        self._stops, self._positions = self._stops[:kept], self._positions[:kept]
+        count = int(np.searchsorted(self._ticks, tick))
+        self._ticks, self._values = self._ticks[:count], self._values[:count]
+        count = int(np.searchsorted(self._stops, tick))
+        self._stops, self._positions = self._stops[:count], self._positions[:count]
         self._changes = [time for time in self._changes if time <= tick * self.dt]
 
 

@@ -73,7 +73,7 @@ async def opened(port: int, make_page: MakePage) -> AsyncIterator[str]:
         websocket_max_message_size_bytes=LONGEST,
     )
     application.add_transform(_NoFrames)
-    logging.getLogger("bokeh").setLevel(logging.ERROR)  # a browser that closes is no warning
+    logging.getLogger("bokeh").setLevel(logging.ERROR)  # no warning of browsers that close
     http = HTTPServer(application)
     server = BaseServer(IOLoop.current(), application, http)
     http.add_sockets([listener])
