@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from bokeh.models import ColumnDataSource, HoverTool, NumeralTickFormatter, PrintfTickFormatter, Span
+from bokeh.models import ColumnDataSource, CustomJSTickFormatter, HoverTool, NumeralTickFormatter, Span
 from bokeh.plotting import figure
 
 from console.measures import reception, team
@@ -12,7 +12,7 @@ from console.web.columns import BLUE, FADED, INK, ORANGE, RED
 from console.web.history import SERIES, History
 from fes.protocol.report import Report
 
-HEIGHT = 215
+HEIGHT = 180
 """Height of a chart [pixels]."""
 
 _STYLES = ((BLUE, "solid"), (ORANGE, "dashed"), (RED, "dotdash"))
@@ -102,7 +102,7 @@ def _chart(name: str, x: str, y: str, axis: str) -> Any:
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     if axis == "log":
-        plot.yaxis.formatter = PrintfTickFormatter(format="%g")
+        plot.yaxis.formatter = CustomJSTickFormatter(code="return String(Number(tick.toPrecision(4)))")
     return plot
 
 

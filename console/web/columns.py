@@ -55,7 +55,7 @@ def robots(report: Report) -> Columns:
         "x": report.poses[drawn, 0],
         "y": report.poses[drawn, 1],
         "angle": heading,
-        "arrow": np.where(alive & np.isfinite(report.poses[drawn, HEADING]), ARROW, 0.0),
+        "tail": np.where(alive & np.isfinite(report.poses[drawn, HEADING]), report.poses[drawn, 0], math.nan),
         "heading": np.degrees(np.remainder(heading, math.tau)),
         "marker": np.where(alive, "circle", "x").tolist(),
         "color": np.where(~alive, RED, np.where(cutting, ORANGE, INK)).tolist(),

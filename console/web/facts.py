@@ -66,6 +66,7 @@ def _facts(report: Report, facts: RunFacts) -> list[tuple[str, str]]:
     alive = int(np.count_nonzero(report.alive == 1))
     done, duration = (number(ticks * report.dt, ",.2f") for ticks in (report.tick, report.ticks))
     share = report.beacons_decoded / report.beacons_sent if report.beacons_sent > 0 else math.nan
+    optimum = "r_β" if len(report.plans) else "r*"
     items = [
         ("index", kind(report, facts)),
         ("tick", f"{report.tick:,} / {report.ticks:,}"),
@@ -73,8 +74,8 @@ def _facts(report: Report, facts: RunFacts) -> list[tuple[str, str]]:
         ("seed", UNKNOWN if facts.seed is None else str(facts.seed)),
         ("run", facts.run),
         ("robots alive", f"{alive} / {len(report.alive)}"),
-        ("r*", f"{number(report.optimal_separation, '.2f')} m"),
-        ("mean estimate", f"r* {number(report.mean_estimate_error, '+.2f')} m"),
+        (optimum, f"{number(report.optimal_separation, '.2f')} m"),
+        ("mean estimate", f"{optimum} {number(report.mean_estimate_error, '+.2f')} m"),
         ("beacons decoded", percent(share)),
         ("pace", f"{number(report.ticks_per_s, ',.0f')} ticks/s, ×{number(report.ticks_per_s * report.dt, ',.3g')}"),
     ]

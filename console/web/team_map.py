@@ -8,7 +8,7 @@ from bokeh.plotting import figure
 
 from console.web import columns
 from console.web.charts import legend_key, settle_legend
-from console.web.columns import DASHES, FADED, LINK_COLORS, QUALITIES
+from console.web.columns import ARROW, DASHES, FADED, LINK_COLORS, QUALITIES
 from console.web.history import History
 from fes.protocol.report import Report
 
@@ -46,7 +46,7 @@ class TeamMap:
         plot.line("x", "y", source=self._trails, color=FADED, alpha=0.8, line_width=1)
         links = [self._class(*style) for style in zip(QUALITIES, LINK_COLORS, DASHES, strict=True)]
         bodies = {"source": self._robots, "line_color": "color", "line_width": 2}
-        plot.ray("x", "y", angle="angle", length="arrow", length_units="screen", **bodies)
+        plot.ray("tail", "y", angle="angle", length=ARROW, length_units="screen", **bodies)
         robots = plot.scatter("x", "y", marker="marker", size=10, fill_color="color", **bodies)
         plot.text(
             "x", "y", text="robot", source=self._robots, x_offset=9, y_offset=-5,

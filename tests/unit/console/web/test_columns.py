@@ -24,7 +24,7 @@ def test_robots_have_positions_headings_in_degrees_and_states() -> None:
     assert shown["heading"].tolist() == pytest.approx([90.0, 0.0, 0.0, 0.0])
     assert shown["state"] == [ALIVE, CUTTING, ALIVE, AWAY]
     assert shown["marker"] == ["circle", "circle", "circle", "x"]
-    assert (shown["arrow"] > 0.0).tolist() == [True, True, True, False]
+    assert np.isfinite(shown["tail"]).tolist() == [True, True, True, False]
     assert len({shown["color"][robot] for robot in (0, 1, 3)}) == 3
 
 
