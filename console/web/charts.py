@@ -24,8 +24,8 @@ class Curves:
 
     def __init__(self, has_cursor: bool) -> None:
         """`has_cursor` marks the time that is shown, for a log: its curves show the whole run."""
-        self._values = _source("curves", "time", *SERIES, "index", "target")
-        self._changes = _source("changes", "time")
+        self._values = source("curves", "time", *SERIES, "index", "target")
+        self._changes = source("changes", "time")
         self._cursor = Span(dimension="height", line_color=INK, line_width=1, visible=has_cursor)
         self.errors = _chart("errors", "time [s]", "largest value [m]", "log")
         self.index = _chart("index", "time [s]", "team index F [1]", "log")
@@ -58,8 +58,8 @@ class Reception:
     """Reception over separation: as robots learn it, as it is, and as they count it."""
 
     def __init__(self) -> None:
-        self._learnt, self._true = (_source(name, "separation", "reception") for name in ("learnt", "true"))
-        self._counted = _source("counted", "link", "separation", "decoded", "learnt", "true")
+        self._learnt, self._true = (source(name, "separation", "reception") for name in ("learnt", "true"))
+        self._counted = source("counted", "link", "separation", "decoded", "learnt", "true")
         plot = self.figure = _chart("reception", "separation [m]", "reception", "linear")
         plot.visible = False
         plot.yaxis.formatter = NumeralTickFormatter(format="0%")
@@ -85,7 +85,8 @@ class Reception:
             self._counted.data = columns.counted(report)
 
 
-def _source(name: str, *fields: str) -> Any:
+def source(name: str, *fields: str) -> Any:
+    """A source of data with these columns, empty at first."""
     return ColumnDataSource({field: [] for field in fields}, name=name)
 
 
@@ -106,9 +107,9 @@ def _chart(name: str, x: str, y: str, axis: str) -> Any:
     return plot
 
 
-def _line(plot: Any, source: Any, x: str, y: str, style: tuple[str, str], label: str) -> Any:
+def _line(plot: Any, data: Any, x: str, y: str, style: tuple[str, str], label: str) -> Any:
     color, dash = style
-    return plot.line(x, y, source=source, color=color, line_dash=dash, line_width=2, legend_label=label)
+    return plot.line(x, y, source=data, color=color, line_dash=dash, line_width=2, legend_label=label)
 
 
 def legend_key(plot: Any, label: str, color: str, dash: str) -> None:

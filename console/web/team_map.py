@@ -3,14 +3,18 @@
 from typing import Any
 
 import numpy as np
-from bokeh.models import CDSView, ColumnDataSource, GroupFilter, HoverTool
+from bokeh.models import CDSView, GroupFilter, HoverTool
 from bokeh.plotting import figure
 
 from console.web import columns
-from console.web.charts import legend_key, settle_legend
+from console.web.charts import legend_key, settle_legend, source
 from console.web.columns import ARROW, DASHES, FADED, LINK_COLORS, QUALITIES
 from console.web.history import History
 from fes.protocol.report import Report
+
+ROBOT = ("robot", "x", "y", "tail", "angle", "heading", "marker", "color", "state")
+LINK = ("link", "x0", "y0", "x1", "y1", "quality", "separation", "estimate_a", "estimate_b", "outage", "decoded")
+"""Columns that the map draws, and names to a person who points at a robot or a link."""
 
 TIPS_OF_ROBOTS = [
     ("robot", "@robot"),
@@ -31,8 +35,9 @@ class TeamMap:
     """A figure with equal scales in x and y, which follows the team until a person zooms."""
 
     def __init__(self) -> None:
-        names = ("trails", "links", "robots")
-        self._trails, self._links, self._robots = (ColumnDataSource(name=name) for name in names)
+        self._trails = source("trails", "x", "y")
+        self._links = source("links", *LINK)
+        self._robots = source("robots", *ROBOT)
         plot = self.figure = figure(
             name="map",
             match_aspect=True,

@@ -137,7 +137,8 @@ def page(where: Path, *words: str) -> Iterator[tuple[str, "subprocess.Popen[str]
         assert serving.poll() is None, serving.communicate()
         serving.terminate()
         _, complaints = serving.communicate(timeout=PATIENCE)
-        assert (serving.returncode, complaints) == (0, "")
+        ended = (serving.returncode, complaints)
+        assert ended == (0, ""), ended
     finally:
         if serving.poll() is None:
             serving.kill()

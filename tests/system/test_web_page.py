@@ -40,6 +40,11 @@ def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
         yield opened
 
 
+def attached(where: Path, run: worlds.Run) -> contextlib.AbstractContextManager[tuple[str, "subprocess.Popen[str]"]]:
+    """The page of a run whose world may still be starting."""
+    return page(where, "view", "-e", run.endpoint, "--timeout", str(PATIENCE))
+
+
 def shows(shown: Browser, name: str, text: str) -> bool:
     """True if a Div of a page has a text."""
     return text in shown.text(name)
@@ -129,10 +134,7 @@ def test_a_run_that_ends_has_the_digest_of_a_run_without_a_page_and_its_last_sta
 ) -> None:
     expected = inprocess.run(load("pair.toml", run__duration=worlds.DURATION), "pair")["digest"]
     last = round(worlds.DURATION / 0.02) - 1
-    with (
-        worlds.under_way(tmp_path, "pair.toml") as run,
-        page(tmp_path, "view", "-e", run.endpoint, "--timeout", str(PATIENCE)) as (address, _),
-    ):
+    with worlds.under_way(tmp_path, "pair.toml") as run, attached(tmp_path, run) as (address, _):
         window.open(address)
         assert "waiting for the world" in window.text("header")
         for robot in range(2):  # the run begins after the page is open
@@ -152,7 +154,7 @@ def test_a_world_that_is_killed_and_resumed(tmp_path: Path, window: Browser) -> 
     with worlds.under_way(tmp_path, "pair.toml", 100000.0) as run:
         for robot in range(2):
             run.join(robot)
-        with page(tmp_path, "view", "-e", run.endpoint, "--timeout", str(PATIENCE)) as (address, _):
+        with attached(tmp_path, run) as (address, _):
             window.open(address)
             progress(window)
             run.end(signal.SIGKILL)

@@ -8,10 +8,11 @@ import pytest
 
 pytest.importorskip("bokeh", reason="Bokeh is not installed: pip install -e '.[web]' in a clone")
 
+from bokeh.core.validation.check import check_integrity
 from bokeh.document import Document
 from bokeh.events import ButtonClick
 
-from console.web import controls
+from console.web import columns, controls, team_map
 from console.web.controls import Controls
 from console.web.facts import RunFacts
 from console.web.feed import Feed
@@ -39,7 +40,20 @@ def panel(document: Document, name: str) -> Any:
 def test_a_page_before_the_first_report_waits() -> None:
     document, _ = shown(None)
     assert "waiting for the world" in panel(document, "header").text
-    assert len(panel(document, "robots").data.get("x", [])) == 0
+    assert len(panel(document, "robots").data["x"]) == 0
+
+
+def test_the_map_draws_columns_that_are_there_from_the_first_report_on() -> None:
+    assert set(team_map.ROBOT) == set(columns.robots(PAIR))
+    assert set(team_map.LINK) <= set(columns.lines(PAIR))
+
+
+@pytest.mark.parametrize("report", [None, PAIR])
+def test_a_page_breaks_no_rule_of_bokeh(report: Report | None) -> None:
+    document, _ = shown(report)
+    issues = check_integrity(document.models)
+    assert not issues.error
+    assert not issues.warning
 
 
 def test_reception_is_shown_of_measured_runs_only_and_the_team_index_only_where_it_is_computed() -> None:
