@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import functools
 import ipaddress
+import os
 import sys
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Annotated, Any
@@ -34,6 +35,9 @@ PORT = 5006
 
 ANSWER = 5.0
 """Longest wait for the world's answer to a change [s]."""
+
+NICENESS = 10
+"""Niceness of the server: on a busy machine it yields the processor to the run."""
 
 Web = Annotated[bool, typer.Option("--web", help="Show a page in a browser, instead of a dashboard.")]
 Port = Annotated[
@@ -72,6 +76,8 @@ async def serve(
 ) -> None:
     """Serve a page, and print its address, while `work` supplies its source; until a signal."""
     from console.web import page, server
+
+    os.nice(NICENESS)
 
     def make_page(doc: Any) -> None:
         page.Page(doc, source, about, send, slider() if slider else None)
