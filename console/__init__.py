@@ -5,8 +5,10 @@ guide      their order in the help, with an example of each
 api        the Python interface: load, run, read and sweep, as the package fes offers them
 backends   how runs are executed: processes, one loop, stacked
 connect    run directories, reports of a running world, and fes set
+measures   numbers of a report that every view shows
 dashboard  the live dashboard: reports to frames
 foxglove   a running run in Foxglove and Lichtblick
+web        the page of a run in a browser
 terminal   lines, tables, progress, full-screen frames, keys pressed
 replay     logs: fes replay and fes compare
 sweep      fes sweep: many runs, compared

@@ -7,7 +7,7 @@ import numpy as np
 
 from console.analysis import history
 from console.analysis.history import History
-from console.dashboard.panels import map_panel
+from console.measures import links
 from fes.arrays.types import Floats, Ints
 from fes.model.table import Use, chosen
 
@@ -97,7 +97,7 @@ def frame(run: History, tick: int) -> Frame:
         run.poses[tick],
         conditions(run, tick),
         history.ends_at(run, tick),
-        map_panel.outage_class(run.outage[tick]),
+        links.outage_class(run.outage[tick]),
         trails(run, tick),
     )
 

@@ -9,7 +9,7 @@ from console.analysis import figures, frames
 from console.analysis.figures import BLUE, INK, plain
 from console.analysis.frames import ABSENT, ALONE, CUTTING, TAKES_PART, Frame
 from console.analysis.history import History
-from console.dashboard.panels.map_panel import FAIR_OUTAGE, POOR_OUTAGE
+from console.measures.links import FAIR_OUTAGE, POOR_OUTAGE
 from fes.arrays.geometry import HEADING
 from fes.arrays.types import Bytes
 

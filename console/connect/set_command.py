@@ -1,17 +1,16 @@
 """fes set: change the channel of a running run."""
 
-import math
 from typing import Annotated
 
 import typer
 
+from console.connect import channel_request
 from console.connect.reach import Reach, reaching
 from console.terminal import printing, progress
 from fes import command_line, process
 from fes.errors import Unavailable
-from fes.protocol import channel_change, keys
+from fes.protocol import channel_change
 from fes.protocol.channel_change import ParameterChange
-from fes.system import strict_json
 from fes.transport.bus import Bus
 from fes.transport.identity import OPERATOR
 from world.config import remarks
@@ -32,22 +31,18 @@ def set_command(
     ] = 5.0,
 ) -> int:
     """Change the channel of a running run (by default the latest one started in this folder)."""
-    changes = [channel_change.encode_change(ParameterChange(*parse_override(text))) for text in settings]
+    changes = [ParameterChange(*parse_override(text)) for text in settings]
+    for change in changes:
+        channel_change.encode_change(change)  # reject a value that JSON cannot hold before the first request
 
     async def send(session: Bus) -> int:
         for change in changes:
             try:
                 with progress.waiting("waiting for the world's answer"):
-                    answer = await session.get(keys.change(reach.run), change, timeout)
-            except Unavailable:
-                shown = reach.endpoints(timeout).shown
-                raise Unavailable(f"no world of run '{reach.run}' answers at {shown}") from None
-            result = channel_change.decode_result(answer)
-            optimal = result.optimal_separation
-            printing.line(
-                f"{result.path} = {strict_json.dumps(result.value)} from tick {result.tick} on; "
-                + (f"r* = {optimal:.3f} m" if math.isfinite(optimal) else "it has no r*")
-            )
+                    result = await channel_request.send(session, reach.run, change, timeout)
+            except Unavailable as error:
+                raise Unavailable(f"{error} at {reach.endpoints(timeout).shown}") from None
+            printing.line(channel_request.described(result))
         if result.unnoticed:  # of the last change, since it describes the present channel
             printing.line(remarks.UNNOTICED)
         return process.SUCCESS

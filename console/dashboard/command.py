@@ -2,8 +2,9 @@
 
 import contextlib
 from collections.abc import AsyncIterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -11,13 +12,15 @@ from console.connect.reach import Reach, reaching
 from console.dashboard import live, source
 from console.foxglove import server
 from console.terminal import printing
+from console.web import command as page
+from console.web.command import Operator, Web
 from fes import command_line, process
 from fes.errors import FesError, Unavailable
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from fes.transport.identity import OBSERVER
+from fes.transport.identity import OBSERVER, OPERATOR
 
 LOOK = 2.0
 """Longest time to look for the tokens of a run [s]."""
@@ -29,13 +32,17 @@ Picture = Annotated[Path | None, typer.Option(help="Write the last frame to this
 def view(
     reach: Reach,
     picture: Picture = None,
+    web: Web = False,
+    operator: Operator = False,
     foxglove: Annotated[
         bool, typer.Option("--foxglove", help="Serve the topics of the log to Foxglove and Lichtblick instead.")
     ] = False,
     port: Annotated[
         int | None,
         typer.Option(
-            min=0, max=65535, help=f"Port of --foxglove on {server.HOST} ({server.PORT} by default; 0: any free one)."
+            min=0,
+            max=65535,
+            help=f"Port of --web ({page.PORT} by default) or --foxglove ({server.PORT}), on loopback; 0: any.",
         ),
     ] = None,
     timeout: Annotated[
@@ -43,14 +50,16 @@ def view(
     ] = 30.0,
 ) -> int:
     """Show the dashboard of a running run (by default the latest one started in this folder)."""
+    if web + foxglove + (picture is not None) > 1:
+        raise FesError("choose one of --web, --foxglove and --picture")
+    if web:
+        _serve_page(reach, timeout, page.PORT if port is None else port, operator)
     if foxglove:
-        if picture is not None:
-            raise FesError("--picture is a frame of the terminal, which --foxglove does not draw")
-        number = server.PORT if port is None else port
         session = opened(reach.endpoints(timeout), reach.run)
+        number = server.PORT if port is None else port
         process.leave("fes", lambda: server.serve(session, reach.run, timeout, number))
-    if port is not None:
-        raise FesError("--port is that of --foxglove")
+    if port is not None or operator:
+        raise FesError("--port is that of --web or --foxglove" if port is not None else "--operator goes with --web")
     screen = printing.console()
 
     async def show(session: Bus) -> int:
@@ -61,6 +70,21 @@ def view(
         return process.SUCCESS
 
     reach.leave(timeout, show)
+
+
+def _serve_page(reach: Reach, timeout: float, port: int, operator: bool) -> NoReturn:
+    """Serve the page of a run, with controls for an operator."""
+    page.require()
+    reach = replace(reach, role=OPERATOR if operator else OBSERVER)
+    may_change = operator or page.may_change(reach.endpoints(timeout))
+
+    async def serve(session: Bus) -> int:
+        await refuse_real_robots(session, reach.run)
+        about = page.facts_of(reach.run, is_announced=not reach.connect)
+        await page.watch(session, reach.run, timeout, port, about, may_change)
+        return process.SUCCESS
+
+    reach.leave(timeout, serve)
 
 
 @contextlib.asynccontextmanager

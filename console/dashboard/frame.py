@@ -22,7 +22,8 @@ from console.dashboard.panels import (
     reception_panel,
     team_panel,
 )
-from console.dashboard.panels.convergence import SERIES
+from console.measures import reception
+from console.measures.team import SERIES
 from console.terminal.formatting import styled
 from fes.protocol.report import Report
 
@@ -86,7 +87,7 @@ def _wide(history: ReportHistory, report: Report, width: int, height: int) -> li
 
 def _narrow(history: ReportHistory, report: Report, width: int, height: int) -> list[Line]:
     """The map above the other panels, if there is room for it."""
-    chart = 1 + reception_panel.BESIDES + _CHART[0] if reception_panel.is_measured(report) else 0
+    chart = 1 + reception_panel.BESIDES + _CHART[0] if reception.is_measured(report) else 0
     spare = height - 4 - chart - 3 - (2 + len(report.a))  # lines that the other panels at full height leave free
     natural = 1 + map_panel.natural_height(history.extent, width)
     tall = min(max(spare, 2 * height // 5), natural, width // 2) if height >= _LEAST_MAP else 0
@@ -140,7 +141,7 @@ def _convergence(history: ReportHistory, report: Report, width: int, height: int
 
 def _reception(report: Report, width: int, height: int) -> Panel | None:
     """The chart of reception, if robots measure it."""
-    if height < _LEAST_WITH_RECEPTION or not reception_panel.is_measured(report):
+    if height < _LEAST_WITH_RECEPTION or not reception.is_measured(report):
         return None
     least, ample, most = (1 + reception_panel.BESIDES + chart for chart in _CHART)
 

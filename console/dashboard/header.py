@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from rich.cells import cell_len
 
-from console.dashboard import belief
 from console.dashboard.canvas import Line
-from console.dashboard.panels import reception_panel, team_panel
+from console.dashboard.panels import team_panel
+from console.measures import belief, reception
 from console.terminal.formatting import count, length, number, styled
 from fes.protocol.report import Report
 from fes.system.output import printable
@@ -27,7 +27,7 @@ def header(report: Report, width: int, silence: float = 0.0, modes: str = "", so
 
     `modes` are those of the gates of real robots, `source` is that of the index in words.
     """
-    source = source or ("measured" if reception_panel.is_measured(report) else "")
+    source = source or ("measured" if reception.is_measured(report) else "")
     if report.is_of_robots:
         return [_time(report, width, source), _fitting(_facts_of_robots(report, modes, silence), width)]
     return [_progress(report, width, source), _facts(report, width, silence)]

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from console.dashboard.panels import convergence
-from console.dashboard.panels.convergence import SERIES
 from console.dashboard.panels.map_panel import on_map
+from console.measures.team import SERIES, series
 from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
 
@@ -48,7 +47,7 @@ class ReportHistory:
         while report.tick // self.stride >= CAPACITY:
             self._coarsen()
         index = report.tick // self.stride
-        values = convergence.series(report)
+        values = series(report)
         self._worst[:, index] = np.fmax(self._worst[:, index], np.where(np.isfinite(values), values, np.nan))
         self._seen[index] = True
         changed = report.changed_at / report.dt if report.dt > 0.0 else 0.0

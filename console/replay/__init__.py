@@ -10,4 +10,5 @@ robots       a second execution of some of its robots
 difference   differences between two ticks
 compare      the command fes compare
 player       the dashboard of a log: play, pause, step, seek
+browser      the page of a recorded run in a browser
 """

@@ -8,12 +8,13 @@ import typer
 
 from console.connect.options import VERBOSE, Use
 from console.dashboard import summary
+from console.replay import browser, player, recorded, reexecution, robot_logs
 from console.replay import log as logs
-from console.replay import player, recorded, reexecution, robot_logs
 from console.replay.log import Log
 from console.replay.robots import ReplayedRobots
 from console.terminal import counting, printing, progress
 from console.terminal.counting import Watch
+from console.web.command import PORT, Port, Web
 from fes import process
 from fes.errors import FesError
 from fes.recording.layout import AT_ITS_END
@@ -33,13 +34,21 @@ def replay(
     headless: Annotated[bool, typer.Option("--headless", help="No dashboard.")] = False,
     json_: Annotated[bool, typer.Option("--json", help="Print only the summary, as JSON.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
+    web: Web = False,
+    port: Port = PORT,
 ) -> int:
     """Show a recorded run, or execute it again and compare it with the log, to the bit."""
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
+    if web and (robot is not None or all_ or headless or json_):
+        raise FesError("--web shows a run: give it without --robot, --all, --headless and --json")
     if of_robots := robot_logs.chosen(target, robot, all_):
+        if web:
+            raise FesError(f"--web shows the log of a run, not that of a robot: {target}")
         return robot_logs.replay(of_robots, robot, json_)
     log = logs.load(target)
+    if web:
+        browser.show(log, port, speed)
     extensions.check(log.scenario, log.extensions, str(log.path))
     screen = printing.console(stderr=json_)
     if robot is not None:

@@ -3,7 +3,6 @@
 import sys
 import time
 from collections import deque
-from collections.abc import Iterator
 
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
@@ -17,7 +16,7 @@ from console.terminal import screen
 from console.terminal.keyboard import END, LEFT, RIGHT, Keyboard
 from fes import process
 from fes.errors import Stopped
-from fes.protocol.report import Report, decode_report, encode_report
+from fes.protocol.report import decode_report, encode_report
 
 SEEK = 5.0
 """Length of a seek [s]."""
@@ -44,7 +43,7 @@ class Player:
         self.history = self._new_history()
         self._wanted = 0.0
         self._stride = 1 + log.scenario.robots.number * self.ticks // _CAPACITY
-        self._reports = _reports(log)
+        self._reports = reexecution.reports(log)
         self._stored: list[bytes] = []
         """Encoded Reports of every stride-th tick, so that a seek backward is instant."""
         self._ended = False
@@ -147,12 +146,3 @@ def frame(player: Player, width: int, height: int) -> RenderableType:
     line = Text(f"{position} {state}  {KEYS}", style="reverse", no_wrap=True, overflow="ellipsis")
     line.truncate(max(1, width - 1), overflow="ellipsis", pad=True)
     return Group(render(player.history, width, height - 1), line)
-
-
-def _reports(log: Log) -> Iterator[Report]:
-    """The Report of each tick; recorded Reports, and the summary at the end, are compared where `viewed` does."""
-    latest = None
-    for moment, metrics in reexecution.viewed(log):
-        latest = moment.recorded.report or latest
-        if latest is not None:
-            yield reexecution.report(metrics, latest)

@@ -112,6 +112,15 @@ def viewed(log: Log) -> Iterator[tuple[ReplayedTick, MetricsCollector]]:
     return accounted(log, is_compared=has_own_digits(log))
 
 
+def reports(log: Log) -> Iterator[Report]:
+    """The Report of each tick; recorded Reports, and the summary at the end, are compared where `viewed` does."""
+    latest = None
+    for moment, metrics in viewed(log):
+        latest = moment.recorded.report or latest
+        if latest is not None:
+            yield report(metrics, latest)
+
+
 def summary(log: Log, metrics: MetricsCollector, elapsed: float = 0.0) -> dict[str, Any]:
     """The summary of `metrics`; its wall-clock time is that of the log, or `elapsed` [s].
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from console.dashboard import belief
+from console.measures import belief
 from console.team.merge import Team
 from fes.arrays.types import Floats
 from fes.errors import FesError

@@ -94,9 +94,9 @@ class Run:
 
 
 @contextmanager
-def under_way(where: Path, scenario: str) -> Iterator[Run]:
-    """A run of DURATION, whose processes are killed at the end."""
-    going = Run(where, scenario, "--duration", str(DURATION))
+def under_way(where: Path, scenario: str, duration: float = DURATION) -> Iterator[Run]:
+    """A run of `duration` [s], whose processes are killed at the end."""
+    going = Run(where, scenario, "--duration", str(duration))
     try:
         yield going
     finally:

@@ -4,18 +4,12 @@ import math
 
 import numpy as np
 
-from console.dashboard import belief
 from console.dashboard.canvas import Line
+from console.measures import belief
+from console.measures.team import SERIES, labels, series
 from console.terminal.formatting import UNKNOWN, length, number, styled
 from fes.arrays.types import Floats, Ints
 from fes.protocol.report import Report
-
-SERIES = {
-    "disagreement": "disagreement",
-    "estimate_error_max": "estimate error",
-    "separation_error_max": "separation error",
-}
-"""Plotted fields of a Report, and their labels."""
 
 AWAITED = "known after a dither period"
 """Text for an error that is averaged over a dither period, before the end of the first one."""
@@ -27,21 +21,13 @@ _DECADES = 8  # maximum span of a log scale
 _BARS = " ▁▂▃▄▅▆▇█"
 
 
-def series(report: Report) -> Floats:
-    """The plotted values of a Report [3] [m]."""
-    if report.is_of_robots:
-        return belief.series(report)
-    return np.array([getattr(report, name) for name in SERIES])
-
-
 def convergence(report: Report, history: Floats, changes: Ints, width: int, rows: int) -> list[Line]:
     """A sparkline per row of `history` [3, k] [m] on a log scale, `rows` high.
 
     k is `sparkline_width`; `changes` are the columns in which the channel changed.
     """
     lines: list[Line] = []
-    labels = belief.SERIES if report.is_of_robots else SERIES.values()
-    for values, label, latest in zip(history, labels, series(report).tolist(), strict=True):
+    for values, label, latest in zip(history, labels(report), series(report).tolist(), strict=True):
         if label == SERIES["separation_error_max"] and is_awaited(report, history):
             lines.append([styled(f"{label:<{_LABEL}} {AWAITED}", "dim")])
             continue

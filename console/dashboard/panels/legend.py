@@ -1,8 +1,8 @@
 """The legend: the words and marks on the screen in a few more words."""
 
 from console.dashboard.canvas import Line
-from console.dashboard.panels import reception_panel
 from console.dashboard.panels.map_panel import PATH_MARK
+from console.measures import reception
 from console.terminal.formatting import styled
 from fes.protocol.report import Report
 
@@ -76,7 +76,7 @@ _PLANS: tuple[Entry, ...] = (
 
 def entries(report: Report, source: str) -> list[Entry]:
     """The entries for what a frame shows, the most important first."""
-    is_measured = reception_panel.is_measured(report)
+    is_measured = reception.is_measured(report)
     source = source or ("measured" if is_measured else "")
     cause = [_SOURCES[source]] if source in _SOURCES else []
     if report.is_of_robots:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from console.dashboard import belief
 from console.dashboard.canvas import Line
-from console.dashboard.panels import reception_panel
-from console.dashboard.panels.map_panel import OUTAGE_STYLES, loss, outage_class
+from console.dashboard.panels.map_panel import OUTAGE_STYLES
+from console.measures import reception
+from console.measures.links import counted, errors, loss, outage_class
 from console.terminal.formatting import count, number, percent, styled
-from fes.arrays.types import Floats, Ints
+from fes.arrays.types import Ints
 from fes.protocol.report import Report
 
 # Heading, width, and rank: the lowest is hidden first
@@ -64,15 +64,6 @@ def links(report: Report, width: int, height: int) -> list[Line]:
     return lines
 
 
-def errors(report: Report) -> Floats:
-    """Separation less r* [l] [m]; of real robots, less their own estimate of the link."""
-    if report.is_of_robots:
-        return belief.formation_errors(report)
-    with np.errstate(invalid="ignore"):
-        error: Floats = report.separation - report.optimal_separation
-    return error
-
-
 def needed_width(report: Report) -> int:
     """Width of the table with its important columns, one cell apart."""
     return _first_column(report) + sum(size + 1 for _, size, rank in _columns(report) if rank >= _NEEDED)
@@ -85,8 +76,8 @@ def full_width(report: Report) -> int:
 
 def _columns(report: Report) -> tuple[tuple[str, int, int], ...]:
     if report.is_of_robots:
-        return _OF_MEASURING_ROBOTS if reception_panel.is_measured(report) else _OF_ROBOTS
-    return _MEASURED if reception_panel.is_measured(report) else _ORACLE
+        return _OF_MEASURING_ROBOTS if reception.is_measured(report) else _OF_ROBOTS
+    return _MEASURED if reception.is_measured(report) else _ORACLE
 
 
 def _first_column(report: Report) -> int:
@@ -135,4 +126,4 @@ def _cell(report: Report, index: int, column: str) -> str:
         case "gap":
             return count(float(report.longest_gap[index]))
         case _:
-            return percent(float(reception_panel.counted(report)[index]))
+            return percent(float(counted(report)[index]))

@@ -7,17 +7,14 @@ import numpy as np
 from rich.segment import Segment
 from rich.style import Style
 
-from console.dashboard import belief
 from console.dashboard.canvas import DOTS_X, DOTS_Y, Canvas, Line
+from console.measures.links import FAIR_OUTAGE, POOR_OUTAGE, known_ends, loss, outage_class
 from fes.arrays.geometry import HEADING
 from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
 
-FAIR_OUTAGE, POOR_OUTAGE = 0.15, 0.35
-"""Outage probabilities from which a link is drawn dashed, and dotted."""
-
 OUTAGE_STYLES = ("green", "yellow", "red")
-"""Good, fair and poor links."""
+"""Good, fair and poor links; the last two are drawn dashed, and dotted."""
 
 _DASHES = np.array([[1, 1], [4, 8], [1, 4]])
 _LEGEND = (("⠒⠒⠒", f"<{FAIR_OUTAGE:.0%}"), ("⠒⠒ ⠒⠒", f"<{POOR_OUTAGE:.0%}"), ("⠂⠐ ⠂", "more"))
@@ -50,15 +47,6 @@ class View:
     def dots(self, positions: Floats) -> Floats:
         """The dots of `positions` [k, 2] [m]."""
         return (positions - (self.west, self.south)) / self.scale
-
-
-def outage_class(outage: Floats) -> Ints:
-    """Class of each link [l]: 0 good, 1 fair, 2 poor or unknown.
-
-    >>> outage_class(np.array([0.1, 0.2, 0.5, math.nan])).tolist()
-    [0, 1, 2, 2]
-    """
-    return np.where(outage < FAIR_OUTAGE, 0, np.where(outage < POOR_OUTAGE, 1, 2))
 
 
 def view(positions: Floats, width: int, height: int) -> View:
@@ -131,11 +119,6 @@ def team_map(report: Report, width: int, height: int, paths: Floats | None = Non
     return [*canvas.render(), _scale_bar(seen.scale * DOTS_X, width)]
 
 
-def loss(report: Report) -> Floats:
-    """Outage of each link [l]; of real robots the share of their beacons that did not decode."""
-    return belief.lost(report) if report.is_of_robots else report.outage
-
-
 def legend(report: Report, width: int, has_paths: bool = False) -> Line:
     """Line styles of the outage classes, and of paths, with the words for which `width` has room."""
     measure = "lost " if report.is_of_robots else "outage "
@@ -171,8 +154,7 @@ def _is_crowded(canvas: Canvas, robots: int) -> bool:
 
 
 def _links(canvas: Canvas, report: Report, dots: Floats, shown: Bools) -> None:
-    n = len(dots)
-    known = np.flatnonzero((report.a >= 0) & (report.b >= 0) & (report.a < n) & (report.b < n))
+    known = np.flatnonzero(known_ends(report))
     drawn = known[shown[report.a[known]] & shown[report.b[known]]]
     kind = outage_class(loss(report)[drawn])
     canvas.lines(dots[report.a[drawn]], dots[report.b[drawn]], _LINK + kind, _DASHES[kind])

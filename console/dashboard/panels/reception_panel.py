@@ -5,6 +5,8 @@ import math
 import numpy as np
 
 from console.dashboard.canvas import DOTS_X, DOTS_Y, Canvas, Line
+from console.measures import reception
+from console.measures.links import counted
 from console.terminal.formatting import number, styled
 from fes.arrays.types import Bools, Floats
 from fes.protocol.report import Report
@@ -16,13 +18,6 @@ _PALETTE = ("", "magenta", "cyan", "bold")
 _TRUE, _LEARNT, _COUNTED = 1, 2, 3
 _AXIS = 5
 _EVERY = 3  # one in this many dots of the true curve is drawn
-_LEAST, _MOST = 1e-3, 1e9  # m; separations outside are not drawn
-_FLAT = 50.0  # beyond, exp(-exp(x)) is 0 or 1
-
-
-def is_measured(report: Report) -> bool:
-    """True if a robot has learnt parameters of the channel."""
-    return bool(np.isfinite(report.learnt_level).any() or np.isfinite(report.learnt_reception).any())
 
 
 def legend(report: Report) -> Line:
@@ -31,52 +26,24 @@ def legend(report: Report) -> Line:
     return [styled("⠒⠒⠒", "cyan"), styled(" learnt "), *true, styled("• counted")]
 
 
-def counted(report: Report) -> Floats:
-    """Share of each link's beacons that decoded [l]; NaN before the first beacon."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share: Floats = report.decoded / report.sent
-    return share
-
-
 def panel(report: Report, width: int, height: int) -> list[Line]:
     """`height` lines: the chart, and the parameters of ln(-ln p) = level + exponent ln(r / rho_0)."""
     facts = [
         _fact("level", report.learnt_level, None if report.is_of_robots else report.true_level),
         _fact("exponent", report.learnt_exponent, None if report.is_of_robots else report.true_exponent),
     ]
-    known = (report.separation > _LEAST) & (report.separation < _MOST)  # false for NaN
+    known = reception.drawable(report)
     if width - _AXIS < 1 or height <= BESIDES or not known.any():
         return facts
     return [*_chart(report, known, width - _AXIS, height - BESIDES), *facts]
 
 
-def separation_range(separation: Floats) -> tuple[float, float]:
-    """A range of round separations [m] somewhat wider than the present ones, so that the axis rarely changes.
-
-    >>> separation_range(np.array([61.0, 73.0])), separation_range(np.array([0.4]))
-    ((55.0, 80.0), (0.35, 0.45))
-    """
-    low, high = float(separation.min()), float(separation.max())
-    step = 5.0 * 10.0 ** math.floor(math.log10(high / 20.0))
-    first, last = max(0, math.floor(low / step) - 1), math.ceil(high / step) + 1
-    return float(f"{first * step:.6g}"), float(f"{last * step:.6g}")
-
-
-def reference_separation(report: Report) -> float:
-    """rho_0 [m], from learnt parameters and learnt receptions; NaN if these are unknown."""
-    with np.errstate(all="ignore"):
-        predictor = np.log(-np.log(report.learnt_reception))
-        log_ratio = (predictor - report.learnt_level) / report.learnt_exponent
-        scale = report.separation * np.exp(-log_ratio)
-    return _median(scale[scale > 0.0])
-
-
 def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
     """`height` lines of `width` cells beside an axis of reception, and a line for the axis of separation."""
     separation, share = report.separation[known], np.clip(counted(report)[known], 0.0, 1.0)
-    west, east = separation_range(separation)
+    west, east = reception.separation_range(separation)
     across = np.arange(width * DOTS_X, dtype=np.float64)
-    learnt, true = _curves(report, west + (east - west) * across / across[-1])
+    learnt, true = reception.curves(report, west + (east - west) * across / across[-1])
     south, north = _reception_range(np.concatenate([learnt, true, share]))
 
     canvas = Canvas(width, height, _PALETTE)
@@ -88,13 +55,6 @@ def _chart(report: Report, known: Bools, width: int, height: int) -> list[Line]:
     marks = [f"{north:.0%}", *[""] * (height - 2), f"{south:.0%}"][:height]
     chart = [[styled(f"{mark:>{_AXIS - 1}} ", "dim"), *row] for mark, row in zip(marks, canvas.render(), strict=True)]
     return [*chart, [styled(" " * _AXIS + _axis(west, east, report.optimal_separation, width), "dim")]]
-
-
-def _curves(report: Report, separation: Floats) -> tuple[Floats, Floats]:
-    """Reception at each `separation` [k] [m]: of the links' median parameters, and true; NaN where unknown."""
-    log_ratio = np.log(np.maximum(separation, _LEAST) / reference_separation(report))
-    learnt = _median(report.learnt_level), _median(report.learnt_exponent)
-    return _reception(*learnt, log_ratio), _reception(report.true_level, report.true_exponent, log_ratio)
 
 
 def _draw_curve(canvas: Canvas, x: Floats, y: Floats, every: int, ink: int) -> None:
@@ -126,13 +86,6 @@ def _axis(west: float, east: float, optimal: float, width: int) -> str:
     )
 
 
-def _reception(level: float, exponent: float, log_ratio: Floats) -> Floats:
-    """Reception p where ln(r / rho_0) is `log_ratio` [k]; NaN where the parameters are unknown."""
-    with np.errstate(all="ignore"):
-        probability: Floats = np.exp(-np.exp(np.clip(level + exponent * log_ratio, -_FLAT, _FLAT)))
-    return probability
-
-
 def _reception_range(parts: Floats) -> tuple[float, float]:
     """Range of receptions in twentieths that holds `parts`.
 
@@ -149,14 +102,8 @@ def _reception_range(parts: Floats) -> tuple[float, float]:
 def _fact(name: str, values: Floats, truth: float | None) -> Line:
     known = values[np.isfinite(values)]
     spread = float(known.max()) - float(known.min()) if len(known) else math.nan
-    learnt = f"{number(_median(values), '.3f')} (spread {number(spread, '.3f')})"
+    learnt = f"{number(reception.median(values), '.3f')} (spread {number(spread, '.3f')})"
     return [
         styled(f"{name:<9}", "dim"),
         styled(learnt if truth is None else f"{learnt}, true {number(truth, '.3f')}"),
     ]
-
-
-def _median(values: Floats) -> float:
-    known = values[np.isfinite(values)]
-    with np.errstate(over="ignore"):
-        return float(np.median(known)) if len(known) else math.nan

@@ -6,9 +6,9 @@ import numpy as np
 from rich.segment import Segment
 
 from console.dashboard.canvas import Line
+from console.measures import team
 from console.terminal.formatting import number, percent, styled
 from fes.protocol.report import Report
-from world.metrics import graphs
 
 PLANS = ("direct", "contracting", "without a plan")
 """Kind of plan that a robot follows, by its number in the Report."""
@@ -38,8 +38,7 @@ def of_target(report: Report) -> str:
 
 def _cutting(report: Report) -> Line:
     robots = report.cutting.tolist()
-    is_known = (np.minimum(report.a, report.b) >= 0) & (np.maximum(report.a, report.b) < len(report.alive))
-    parts = graphs.parts(report.alive == 1, report.a[is_known], report.b[is_known])
+    parts = team.parts(report)
     if parts > 1:
         return [_label("cutting"), styled(f"already cut, into {parts} parts", "bold red")]
     if not robots:

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from rich.cells import cell_len
 
-from console.dashboard import belief
-from console.dashboard.panels import links_panel
+from console.measures import belief, links
 from fes.protocol.report import Report
 from tests.support.frames import SIZES, TINY, a_history, a_report, frame, measured, team_map
 
@@ -59,7 +58,7 @@ def test_the_second_line_names_the_modes_of_the_gates_or_the_silence() -> None:
 
 
 def test_an_error_of_a_link_is_its_separation_less_the_mean_estimate_of_its_ends() -> None:
-    assert links_panel.errors(of_robots()).tolist() == [-5.0, 4.0]
+    assert links.errors(of_robots()).tolist() == [-5.0, 4.0]
     assert belief.series(of_robots()).tolist() == [2.5, 2.0, 5.0]  # the disagreement is that of the report
     assert belief.mean_estimate(of_robots()) == pytest.approx(196.0 / 3.0)
     rows = [line for line in frame(a_history(of_robots()), 120, 40) if "0–1" in line or "1–2" in line]

@@ -1,0 +1,58 @@
+"""A log as the source of a page: executed again once, its Reports found by their tick."""
+
+import asyncio
+from collections.abc import Iterator
+
+import pytest
+
+from console.replay import browser, log, reexecution
+from console.replay.browser import RecordedRun
+from console.web.facts import Status
+from fes.errors import FesError
+from fes.protocol.report import Report
+from tests.support import recordings
+from tests.support.loop import load
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> log.Log:
+    """Four seconds of two robots."""
+    path = tmp_path_factory.mktemp("browser") / "run.mcap"
+    recordings.record(path, load("pair.toml", run__duration=4.0))
+    return log.load(path)
+
+
+def test_a_run_is_empty_at_first_and_has_every_tick_once_it_is_executed(recorded: log.Log) -> None:
+    shown = RecordedRun(recorded)
+    assert shown.report(0) is None
+    assert shown.known == 0.0
+    asyncio.run(shown.execute())
+    assert shown.status == Status("recorded")
+    assert shown.known == pytest.approx(0.02 * 199)
+    assert [report.tick for report in map(shown.report, (0, 57, 199, 1000, None)) if report] == [0, 57, 199, 199, 199]
+    assert shown.version == 200
+    assert len(shown.history.curves()["time"]) == 200
+
+
+def test_a_long_log_keeps_some_of_its_ticks(recorded: log.Log, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(browser, "CAPACITY", 100)
+    shown = RecordedRun(recorded)  # 400 robot-ticks: every fifth tick
+    asyncio.run(shown.execute())
+    assert shown.version == 40
+    assert [report.tick for report in map(shown.report, (4, 5, 199)) if report] == [0, 5, 195]
+
+
+def test_a_log_that_differs_is_shown_up_to_there_with_the_reason(
+    recorded: log.Log, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown, whole = RecordedRun(recorded), reexecution.reports(recorded)
+
+    def broken() -> Iterator[Report]:
+        yield from (next(whole) for _ in range(50))
+        raise FesError("tick 50 differs")
+
+    monkeypatch.setattr(shown, "_reports", broken())
+    asyncio.run(shown.execute())
+    assert shown.status == Status("tick 50 differs", True)
+    assert shown.known == pytest.approx(0.02 * 49)
+    assert capsys.readouterr().err == "fes: warning: tick 50 differs\n"
