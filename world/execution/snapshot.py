@@ -2,7 +2,7 @@
 
     fes checkpoint 7
     SHA-256 of the rest of the file
-    {"fes": "0.8.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
+    {"fes": "0.9.0", "arithmetic": {"fingerprint": ..., "numpy": ..., "core": ...}, "extensions": [...]}
 
 A state is read only if its format, checksum, arithmetic and extensions match. Loading it cannot execute code.
 """
