@@ -1,6 +1,6 @@
 """The table of the links, which a person sorts by a click on a heading."""
 
-from bokeh.models import ColumnDataSource, DataTable, NumberFormatter, StringFormatter, TableColumn
+from bokeh.models import ColumnDataSource, CustomJS, DataTable, NumberFormatter, StringFormatter, TableColumn
 
 from console.measures import reception
 from console.terminal.formatting import UNKNOWN
@@ -26,6 +26,9 @@ FIELDS = {
 OF_MEASURED = ("learnt", "true")
 """Columns of a measured run only."""
 
+REDRAW = "setTimeout(() => view.change.emit())"
+"""Script of the browser. A table of Bokeh draws new numbers by itself only if the number of rows changes."""
+
 
 class LinkTable:
     """One row per link in use."""
@@ -44,6 +47,7 @@ class LinkTable:
             row_height=22,
             reorderable=False,
         )
+        self._source.js_on_change("data", CustomJS(args={"view": self.table.view}, code=REDRAW))
 
     def show(self, report: Report) -> None:
         """Show a report; the sorting stays."""

@@ -112,6 +112,17 @@ def test_the_table_is_sorted_by_a_click_and_stays_so(tmp_path: Path, window: Bro
         assert window.errors() == []
 
 
+def test_the_table_shows_the_numbers_of_the_latest_report(tmp_path: Path, window: Browser) -> None:
+    rows = "const row = find(document, '.slick-row'); return row && row.textContent"
+    with running(tmp_path, "pair", *ENDLESS), page(tmp_path, "view") as (address, _):
+        window.open(address)
+        first = until(lambda: window.run(rows))
+        progress(window)
+        until(lambda: window.run(rows) != first)
+        assert len(window.column("table", "link")) == 1
+        assert window.errors() == []
+
+
 def test_two_browsers_one_of_which_leaves_and_returns(tmp_path: Path, window: Browser) -> None:
     with running(tmp_path, "pair", *ENDLESS), page(tmp_path, "view") as (address, _):
         window.open(address)
