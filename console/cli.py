@@ -191,6 +191,8 @@ def main() -> None:
         if format_message is None:
             raise
         message = format_message().replace("Value error, ", "")
+        if message.startswith("Missing"):
+            message = f"{message.rstrip('.')}; see {error.ctx.command_path} --help"  # type: ignore[attr-defined]
         if message.startswith("Usage:"):  # without a command the message is the full help
             for text in message.splitlines():
                 process.tell(text)

@@ -72,7 +72,7 @@ def test_the_tables_show_the_whole_digest_and_the_units(part: str) -> None:
     [
         (["run", "nowhere.toml"], ["nowhere.toml", "No such file"]),
         (["run", str(CONFIGS)], ["configs", "Is a directory"]),
-        (["run"], ["Missing argument", "SCENARIO"]),
+        (["run"], ["Missing argument 'SCENARIO'; see ", "run --help"]),
         (["run", PAIR, "--set", "run.durration=3"], ["'run.durration'", "'run.duration'"]),
         (["run", PAIR, "--set", "run.seed=soon"], ["run.seed", "integer", "'soon'"]),
         (["run", PAIR, "--set", "channel.communication_range=-1"], ["channel.communication_range", "-1"]),

@@ -33,7 +33,7 @@ def parser() -> command_line.OneLineParser:
     parser.add_argument(
         "--radio",
         type=place,
-        default=place(RADIO),
+        default=RADIO,
         metavar="HOST:PORT",
         help=f"address of the relay that forwards beacons (default: {RADIO})",
     )

@@ -6,11 +6,16 @@ from typing import Any
 import pytest
 
 from fes.errors import FesError, ScenarioError
+from fes.model.seeking import MeasuredConfig
 from fes.settings.schema import fields
+from fes.transport.endpoints import DEFAULT_ENDPOINT
 from field.settings import robot_file
 from field.settings.for_gate import gate_settings
 from field.settings.robot_file import RobotFile
 from tests.support.paths import ROOT
+from world.config import builtin
+from world.config.scenario import load
+from world.tabletop.flags import RADIO
 
 EXAMPLE = ROOT / "deploy" / "robots" / "robot.toml"
 
@@ -32,6 +37,19 @@ def test_the_example_is_valid_and_names_no_field_twice() -> None:
     assert settings.body.command.name == "robot3/cmd_vel"
     assert settings.body.pose.name == "robot3/pose"
     assert settings.limits.linear == file.formation.linear_limit == 2.0
+
+
+def test_the_example_of_the_table_fits_the_scenario_and_the_defaults_of_fes_tabletop() -> None:
+    file = robot_file.load(EXAMPLE.with_name("table.toml"), 0)
+    scenario = load(builtin.resolve(Path("tabletop")))
+    assert scenario.tabletop is not None and file.formation.linear_limit is not None
+    assert isinstance(file.seeking, MeasuredConfig)
+    assert isinstance(scenario.seeking, MeasuredConfig)
+    assert file.seeking.initial_estimate == scenario.seeking.initial_estimate
+    assert file.body.scale == scenario.tabletop.scale
+    assert file.limits.linear == scenario.tabletop.linear_limit == file.formation.linear_limit / file.body.scale
+    assert file.radio.relay == RADIO
+    assert file.body.endpoint == file.team.endpoint == DEFAULT_ENDPOINT
 
 
 def test_a_robot_is_not_told_its_channel() -> None:
