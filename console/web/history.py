@@ -97,7 +97,7 @@ class History:
         if self._stops and report.tick - self._stops[-1] < self._pause:
             return
         self._stops.append(report.tick)
-        self._positions.append(report.poses[:, :2].astype(np.float64))
+        self._positions.append(np.where(team.on_map(report)[:, None], report.poses[:, :2], math.nan))
         if len(self._stops) > min(TRAIL, max(8, TRAIL_POINTS // max(1, self._robots))):
             self._stops, self._positions = self._stops[::2], self._positions[::2]
             self._pause = max(1, (self._stops[-1] - self._stops[0]) // max(1, len(self._stops) - 1))

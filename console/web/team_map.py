@@ -6,6 +6,7 @@ import numpy as np
 from bokeh.models import CDSView, GroupFilter, HoverTool
 from bokeh.plotting import figure
 
+from console.measures import team
 from console.web import columns
 from console.web.charts import legend_key, settle_legend, source
 from console.web.columns import ARROW, DASHES, FADED, LINK_COLORS, QUALITIES
@@ -69,7 +70,7 @@ class TeamMap:
         self._trails.data = history.trails(report.tick)
         self._links.data = columns.lines(report)
         self._robots.data = columns.robots(report)
-        if not np.any(columns.shown(report)):
+        if not np.any(team.on_map(report)):
             self._trails.data = {"x": np.zeros(0), "y": np.zeros(0)}
 
     def _class(self, quality: str, color: str, dash: str) -> Any:

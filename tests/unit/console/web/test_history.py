@@ -80,6 +80,15 @@ def test_trails_end_at_the_tick_that_is_shown_and_have_gaps_between_robots() -> 
     assert len(trails["x"]) == 22
 
 
+def test_a_trail_has_no_absurd_place_which_would_shrink_the_map() -> None:
+    history = filled(range(3))
+    history.add(replace(a_report([(1e12, 0.0), (0.0, 60.0)]), tick=3))
+    trails = history.trails(3)
+    assert np.nanmax(np.abs(trails["x"])) == 2.0
+    assert np.isnan(trails["y"][[3, 4]]).all()
+    assert trails["y"][5:9].tolist() == [60.0] * 4
+
+
 @pytest.mark.parametrize("robots", [2, 500])
 def test_trails_of_a_long_run_have_a_bounded_number_of_points_over_all_of_it(robots: int) -> None:
     history = History()
