@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -32,6 +33,15 @@ def test_a_run_is_empty_at_first_and_has_every_tick_once_it_is_executed(recorded
     assert [report.tick for report in map(shown.report, (0, 57, 199, 1000, None)) if report] == [0, 57, 199, 199, 199]
     assert shown.version == 200
     assert len(shown.history.curves()["time"]) == 200
+
+
+@pytest.mark.parametrize(
+    ("ended", "words"), [(None, "the log has no end"), ("a signal", "the run ended early: a signal")]
+)
+def test_the_page_of_a_part_of_a_run_names_the_reason(recorded: log.Log, ended: str | None, words: str) -> None:
+    shown = RecordedRun(replace(recorded, ended=ended))
+    asyncio.run(shown.execute())
+    assert shown.status == Status(words, True)
 
 
 def test_a_long_log_keeps_some_of_its_ticks(recorded: log.Log, monkeypatch: pytest.MonkeyPatch) -> None:
