@@ -154,7 +154,7 @@ class Bus:
         self._held.append(self._session.liveliness().declare_token(key))
 
     def declare_liveliness_subscriber(self, key: str, handler: Callable[[str, bool], None]) -> Callable[[], None]:
-        """Call `handler(key, alive)` on the loop with each token, also present ones; returns a function that ends it."""
+        """Call `handler(key, alive)` on the loop with each token, also present ones; returns a function to end it."""
 
         def on_change(sample: zenoh.Sample) -> None:
             alive = sample.kind == zenoh.SampleKind.PUT
