@@ -81,6 +81,7 @@ async def opened(port: int, make_page: MakePage) -> AsyncIterator[str]:
     try:
         yield f"http://{HOST}:{bound}/"
     finally:
+        logging.getLogger("bokeh").setLevel(logging.CRITICAL)  # no error of an update that the end interrupts
         http.stop()
         await http.close_all_connections()
         server.stop()
