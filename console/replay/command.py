@@ -44,9 +44,9 @@ def replay(
         raise FesError("--web shows a run: give it without --robot, --all, --headless and --json")
     if port is not None and not web:
         raise FesError("--port is that of --web")
-    if of_robots := robot_logs.chosen(target, robot, all_):
-        if web:
-            raise FesError(f"--web shows the log of a run, not that of a robot: {target}")
+    if web:
+        robot_logs.refuse(target)
+    elif of_robots := robot_logs.chosen(target, robot, all_):
         return robot_logs.replay(of_robots, robot, json_)
     log = logs.load(target)
     extensions.check(log.scenario, log.extensions, str(log.path))

@@ -28,8 +28,8 @@ pytestmark = foxglove_client.needs_foxglove
 
 LAST = 299
 """Last tick of the run."""
-DEATH = 10.0
-"""Time at which a world dies [s]: five seconds of wall clock in, so that a viewer is there even on a busy machine."""
+DEATH = 20.0
+"""Time at which a world dies [s]: ten seconds of wall clock in, so that a viewer is there even on a busy machine."""
 LIVE = {"/report", "/tf", "/scene/robots", "/scene/links", "/link/0-1/state"}
 """The topics of a log of two robots that a Report suffices for."""
 
@@ -122,7 +122,7 @@ def test_a_viewer_comes_and_leaves_during_a_run_and_another_one_follows_it(tmp_p
 
 
 def test_viewers_follow_a_run_beyond_the_death_of_its_world(tmp_path: Path) -> None:
-    scenario = load("neighborhood.toml", run__duration=16.0, event=[{"at": DEATH, "world_away": 0.5}])
+    scenario = load("neighborhood.toml", run__duration=25.0, event=[{"at": DEATH, "world_away": 0.5}])
     write_scenario(tmp_path, scenario)
 
     def ticks(client: Client) -> list[int]:
