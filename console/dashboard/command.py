@@ -35,14 +35,14 @@ def view(
     web: Web = False,
     operator: Operator = False,
     foxglove: Annotated[
-        bool, typer.Option("--foxglove", help="Serve the topics of the log to Foxglove and Lichtblick instead.")
+        bool, typer.Option("--foxglove", help="Serve the run to Foxglove and Lichtblick, instead of a dashboard.")
     ] = False,
     port: Annotated[
         int | None,
         typer.Option(
             min=0,
             max=65535,
-            help=f"Port of --web ({page.PORT} by default) or --foxglove ({server.PORT}), on loopback; 0: any.",
+            help=f"Port of --web (default {page.PORT}) or --foxglove (default {server.PORT}); 0 for a free one.",
         ),
     ] = None,
     timeout: Annotated[
@@ -59,7 +59,7 @@ def view(
         number = server.PORT if port is None else port
         process.leave("fes", lambda: server.serve(session, reach.run, timeout, number))
     if port is not None or operator:
-        raise FesError("--port is that of --web or --foxglove" if port is not None else "--operator goes with --web")
+        raise FesError("--port needs --web or --foxglove" if port is not None else "--operator needs --web")
     screen = printing.console()
 
     async def show(session: Bus) -> int:
