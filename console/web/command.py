@@ -86,13 +86,13 @@ async def serve(
         stack.callback(work.close)
         address = await stack.enter_async_context(server.opened(port, make_page))
         printing.line(address)
-        sys.stdout.flush()  # a pipe would keep it
+        sys.stdout.flush()  # a pipe would buffer it
         await work
         await asyncio.Event().wait()
 
 
 def may_change(endpoints: Endpoints) -> bool:
-    """True if a page may have controls without a certificate: the run speaks plainly, on this machine only."""
+    """True if a page may have controls without a certificate: the run has no TLS, and is on this machine."""
     return not endpoints.security and all(_is_loopback(endpoint) for endpoint in endpoints.connect)
 
 
