@@ -59,7 +59,7 @@ def view(
         number = server.PORT if port is None else port
         process.leave("fes", lambda: server.serve(session, reach.run, timeout, number))
     if port is not None or operator:
-        raise FesError("--port needs --web or --foxglove" if port is not None else "--operator needs --web")
+        raise FesError("--port is that of --web or --foxglove" if port is not None else "--operator goes with --web")
     screen = printing.console()
 
     async def show(session: Bus) -> int:

@@ -9,14 +9,14 @@ from world.config.scenario import Scenario, knows_channel, load
 
 
 def of(scenario: Scenario) -> str:
-    """The source in a scenario: `oracle`, `measured`, `sampled`, or that it is a law from outside."""
+    """The source in a scenario: `oracle`, `measured`, `sampled`, or that it is up to another law."""
     if isinstance(scenario.seeking, Use):
         return "law told the channel" if knows_channel(scenario) else "own law"
     return scenario.seeking.index
 
 
 def of_running(run: str, endpoints: Endpoints) -> str:
-    """The source in the scenario of a run that was started in this folder; empty for any other run."""
+    """The source in the scenario of a run that was started in this folder; empty if the run is another one."""
     announcement = run_directory.announced(run)
     if announcement is None or announcement[1].endpoint not in endpoints.connect:
         return ""

@@ -41,7 +41,7 @@ def replay(
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
     if web and (robot is not None or all_ or headless or json_):
-        raise FesError("--web shows a run: omit --robot, --all, --headless and --json")
+        raise FesError("--web shows a run: give it without --robot, --all, --headless and --json")
     if of_robots := robot_logs.chosen(target, robot, all_):
         if web:
             raise FesError(f"--web shows the log of a run, not that of a robot: {target}")

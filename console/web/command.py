@@ -92,7 +92,7 @@ async def serve(
 
 
 def may_change(endpoints: Endpoints) -> bool:
-    """True if a page may have controls without a certificate: the run has no TLS, and is on this machine."""
+    """True if a page may have controls without a certificate: the run speaks plainly, on this machine only."""
     return not endpoints.security and all(_is_loopback(endpoint) for endpoint in endpoints.connect)
 
 

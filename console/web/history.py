@@ -1,4 +1,4 @@
-"""The history of a run for a page: the worst values over time, and the paths of the robots."""
+"""The history of a run for a page: the worst values over time, and the trails of the robots."""
 
 import math
 
@@ -12,11 +12,11 @@ from fes.protocol.report import Report
 BINS = 1024
 """Number of bins of the curves. When they are full, pairs of bins are merged."""
 
-PATH_LENGTH = 128
-"""Largest number of points of a robot's path."""
+TRAIL = 128
+"""Largest number of points of a robot's trail."""
 
-PATH_POINTS = 8192
-"""Largest number of points of all paths together, except for teams of more than a thousand robots."""
+TRAIL_POINTS = 8192
+"""Largest number of points of all trails together, but for teams of more than a thousand robots."""
 
 SERIES = ("first", "second", "third")
 """Columns of the measures that `console.measures.team.labels` names."""
@@ -54,7 +54,7 @@ class History:
             self._changes = sorted({*self._changes, report.changed_at})[-MOST_CHANGES:]
 
     def curves(self) -> Columns:
-        """Time [s], the measures [m], and the team index and its target [1]; NaN where a log axis cannot show it."""
+        """Time [s], the measures [m], and the team index and its target [1]; NaN where a log axis has no place."""
         values = np.array(self._values).reshape(len(self._values), len(SERIES) + 2)
         values[~(values > 0.0)] = math.nan
         measures = dict(zip((*SERIES, "index", "target"), values.T, strict=True))
@@ -64,7 +64,7 @@ class History:
         """Times at which the channel changed [s]."""
         return {"time": np.array(self._changes)}
 
-    def paths(self, until: int) -> Columns:
+    def trails(self, until: int) -> Columns:
         """Positions of all robots up to a tick [m], one robot after the other, with a gap of NaN between them."""
         positions = [place for tick, place in zip(self._stops, self._positions, strict=True) if tick <= until]
         gap = np.full((1, self._robots, 2), math.nan)
@@ -98,7 +98,7 @@ class History:
             return
         self._stops.append(report.tick)
         self._positions.append(report.poses[:, :2].astype(np.float64))
-        if len(self._stops) > min(PATH_LENGTH, max(8, PATH_POINTS // max(1, self._robots))):
+        if len(self._stops) > min(TRAIL, max(8, TRAIL_POINTS // max(1, self._robots))):
             self._stops, self._positions = self._stops[::2], self._positions[::2]
             self._pause = max(1, (self._stops[-1] - self._stops[0]) // max(1, len(self._stops) - 1))
 

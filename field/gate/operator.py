@@ -22,7 +22,7 @@ TRIES, PAUSE, PATIENCE = 12, 0.25, 2.0
 SCHEMA = "fes.GateStatus"
 
 MOST_ANSWERS = 64
-"""Largest number of answers that wait to be sent; while as many wait, queries are refused."""
+"""Answers that wait to be sent; with as many, further queries are refused."""
 
 Control = Callable[[bytes], GateStatus]
 """Answers a query, given its payload, with the state afterwards; raises FesError to reject it."""
@@ -44,7 +44,7 @@ class Answers:
         return self._waiting.qsize() < MOST_ANSWERS
 
     def put(self, send: Callable[[], None]) -> None:
-        """Have the thread call `send`."""
+        """Let the thread call `send`."""
         self._waiting.put(send)
 
     def _send(self) -> None:

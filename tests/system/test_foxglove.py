@@ -150,9 +150,9 @@ def test_a_port_in_use_is_one_line(tmp_path: Path) -> None:
 
 def test_flags_that_do_not_fit_are_one_line(tmp_path: Path) -> None:
     alone = call(tmp_path, "fes", "view", "--port", "8765")
-    assert complaint(alone, "fes") == "--port needs --web or --foxglove"
+    assert complaint(alone, "fes") == "--port is that of --foxglove"
     both = call(tmp_path, "fes", "view", "--foxglove", "--picture", "frame.svg")
-    assert complaint(both, "fes") == "choose one of --web, --foxglove and --picture"
+    assert complaint(both, "fes") == "--picture is a frame of the terminal, which --foxglove does not draw"
 
 
 def test_a_run_that_does_not_come_is_one_line(tmp_path: Path) -> None:

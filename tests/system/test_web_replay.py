@@ -48,4 +48,4 @@ def test_a_log_is_played_paused_and_moved(log: Path) -> None:
 def test_a_page_of_a_log_takes_no_other_order(log: Path) -> None:
     for words in (["--headless"], ["--all"], ["--robot", "0"]):
         line = complaint(call(log, "fes", "replay", ".", "--web", *words), "fes")
-        assert line.startswith("--web shows a run: omit --robot")
+        assert line.startswith("--web shows a run: give it without --robot")

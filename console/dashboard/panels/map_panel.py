@@ -98,7 +98,7 @@ def _zoomed(needed: float) -> float:
 
 
 def on_map(report: Report) -> Bools:
-    """True for each robot [n] whose position is known, and near enough to be drawn."""
+    """True for each robot [n] whose position is known, and not absurd."""
     inside: Bools = np.all(np.abs(report.poses[:, :2]) < _MOST, axis=1)  # false for NaN
     return inside
 
