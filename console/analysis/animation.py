@@ -37,7 +37,7 @@ Watch = Callable[[int], None]
 
 
 def check(path: Path) -> None:
-    """Raise FesError if an animation cannot be written to `path` for its suffix, or for what is not installed."""
+    """Raise FesError if the suffix of `path` is unknown, or if a package or program for it is missing."""
     figures.require()
     if path.suffix.lower() not in RATES:
         raise FesError(f"an animation is a file that ends in {GIF} or {MP4}, got {path}")

@@ -36,14 +36,14 @@ def view(
     web: Web = False,
     operator: Operator = False,
     foxglove: Annotated[
-        bool, typer.Option("--foxglove", help="Serve the topics of the log to Foxglove and Lichtblick instead.")
+        bool, typer.Option("--foxglove", help="Serve the run to Foxglove and Lichtblick, instead of a dashboard.")
     ] = False,
     port: Annotated[
         int | None,
         typer.Option(
             min=0,
             max=65535,
-            help=f"Port of --web ({page.PORT} by default) or --foxglove ({server.PORT}), on loopback; 0: any.",
+            help=f"Port of --web (default {page.PORT}) or --foxglove (default {server.PORT}); 0 for a free one.",
         ),
     ] = None,
     timeout: Annotated[

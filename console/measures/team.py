@@ -37,6 +37,6 @@ def on_map(report: Report) -> Bools:
 
 
 def parts(report: Report) -> int:
-    """Number of parts into which the links in use join the living robots."""
+    """Number of connected parts of the graph of the living robots and the links in use."""
     known = links.known_ends(report)
     return graphs.parts(report.alive == 1, report.a[known], report.b[known])

@@ -12,7 +12,7 @@ from fes.arrays.types import Floats
 from fes.protocol.report import Report
 
 Columns = dict[str, Any]
-"""Arrays or lists of one length, by their names."""
+"""Arrays or lists of equal length, by name."""
 
 QUALITIES = (f"below {FAIR_OUTAGE:.0%}", f"below {POOR_OUTAGE:.0%}", "more, or unknown")
 """Classes of links by their outage, good ones first."""

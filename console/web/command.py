@@ -87,7 +87,7 @@ async def serve(
         stack.callback(work.close)
         address = await stack.enter_async_context(server.opened(port, make_page))
         printing.line(address)
-        sys.stdout.flush()  # a pipe would keep it
+        sys.stdout.flush()  # a pipe would buffer it
         await work
         await asyncio.Event().wait()
 

@@ -1,4 +1,4 @@
-"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows it.
+"""The operator's side of a gate: it takes permits, answers starts, stops and states, and has a liveliness token.
 
 An answer waits while the operator's network is congested. So a thread sends it, and the loop never waits.
 """
@@ -17,7 +17,7 @@ from fes.transport.bus import Bus, Query
 from field.gate.driver import Arrivals
 
 TRIES, PAUSE, PATIENCE = 12, 0.25, 2.0
-"""Tries, 0.25 s apart, to be the only gate: the token of one whose link was cut stays for a lease of 2 s."""
+"""Tries, 0.25 s apart, to be the only gate: after a cut of its link, the token of an earlier gate stays for 2 s."""
 
 SCHEMA = "fes.GateStatus"
 
@@ -31,7 +31,7 @@ Control = Callable[[bytes], GateStatus]
 class Answers:
     """Answers on their way from the loop to the network, which a thread sends in order.
 
-    The thread ends with the process. Nothing waits for it, since Zenoh may hold it up for seconds.
+    The thread ends with the process. Nothing waits for it, since Zenoh may block it for seconds.
     """
 
     def __init__(self) -> None:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 @dataclass
 class BeaconCounts:
-    """Verdicts and beacons of one peer since the robot's start. While a peer is in range, each own tick has one."""
+    """Verdicts and beacons of one peer since the robot's start. Each own tick with a peer in range has a verdict."""
 
     heard: int = 0
-    """Ticks with the verdict of a beacon that decoded."""
+    """Ticks with the verdict that a beacon decoded."""
     missed: int = 0
-    """Ticks with the verdict of a beacon that was lost."""
+    """Ticks with the verdict that a beacon was lost."""
     concealed: int = 0
     """Ticks that repeat an earlier verdict, because nothing new was known: the peer or the network paused."""
     stale: int = 0
