@@ -16,9 +16,9 @@ from console.analysis import command as analysis_command
 from console.backends import announcement, inprocess, processes, view
 from console.backends.processes import Launch
 from console.check.command import check
-from console.connect import options, run_directory, set_command
+from console.connect import index_source, options, run_directory, set_command
 from console.dashboard import command as dashboard_command
-from console.dashboard import live, source, summary
+from console.dashboard import live, summary
 from console.doctor.command import doctor
 from console.fit import command as fit_command
 from console.keys import command as keys_command
@@ -230,5 +230,5 @@ def _in_process(
         with progress.shown(name, scenario.ticks) as bar:
             watch = (lambda report: bar(report.tick + 1)) if bar.is_shown else None
             return inprocess.run(scenario, name, pace, watch, store, recorder)
-    with live.Screen(screen, summary.below(scenario), source=source.of(scenario)) as frames:
+    with live.Screen(screen, summary.below(scenario), source=index_source.of(scenario)) as frames:
         return inprocess.run(scenario, name, pace, frames.show, store, recorder)

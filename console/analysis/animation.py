@@ -4,6 +4,7 @@ Matplotlib, which brings Pillow, comes with the extra `plot`; ffmpeg is a progra
 """
 
 import logging
+import os
 import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -36,7 +37,7 @@ Watch = Callable[[int], None]
 
 
 def check(path: Path) -> None:
-    """Raise FesError if an animation cannot be written to `path` for its suffix, or for what is not installed."""
+    """Raise FesError if the suffix of `path` is unknown, or if a package or program for it is missing."""
     figures.require()
     if path.suffix.lower() not in RATES:
         raise FesError(f"an animation is a file that ends in {GIF} or {MP4}, got {path}")
@@ -53,7 +54,7 @@ def playback(run: History, path: Path) -> Playback:
 
 
 def write(run: History, path: Path, watch: Watch | None = None) -> None:
-    """Write the animation of a run as GIF or MP4, by the suffix; raises FesError, and then leaves no file."""
+    """Write the animation of a run as GIF or MP4, by the suffix; raises FesError, and then keeps an earlier file."""
     check(path)
     shown = playback(run, path)
     numbers = [frames.frame(run, tick) for tick in shown.ticks.tolist()]
@@ -65,8 +66,8 @@ def write(run: History, path: Path, watch: Watch | None = None) -> None:
             if watch is not None:
                 watch(number)
 
-    with _removed_on_failure(path):
-        (_write_gif if path.suffix.lower() == GIF else _write_mp4)(pictures(), shown.rate, path)
+    with _replaced(path) as part:
+        (_write_gif if path.suffix.lower() == GIF else _write_mp4)(pictures(), shown.rate, part)
 
 
 def still(run: History) -> "Image":
@@ -92,14 +93,10 @@ def _write_mp4(pictures: Iterator[Bytes], rate: float, path: Path) -> None:
     options = ["-vf", f"tpad=stop_mode=clone:stop_duration={HOLD:g}", "-movflags", "+faststart"]
     writer = FFMpegWriter(fps=rate, codec="h264", extra_args=options)  # type: ignore[arg-type]
     logging.getLogger("matplotlib.animation").setLevel(logging.ERROR)  # its warning would repeat that of ffmpeg
-    try:
-        with writer.saving(canvas, path, DPI):
-            for picture in pictures:
-                shown.set_data(picture)
-                writer.grab_frame()
-    except subprocess.CalledProcessError as error:
-        lines = str(error.stderr or error).strip().splitlines()
-        raise FesError(f"ffmpeg cannot write {path}: {lines[-1]}") from None
+    with writer.saving(canvas, path, DPI):
+        for picture in pictures:
+            shown.set_data(picture)
+            writer.grab_frame()
 
 
 @cache
@@ -123,14 +120,18 @@ def _few_colors(picture: Bytes) -> "Image":
 
 
 @contextmanager
-def _removed_on_failure(path: Path) -> Iterator[None]:
-    """A block that writes a file: if it ends early, no part of the file remains."""
+def _replaced(path: Path) -> Iterator[Path]:
+    """A file to write within the block, which replaces `path` at its end; if it ends early, no part remains."""
+    part = path.with_name(f".{os.getpid()}-{path.name}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        yield
-    except BaseException as error:
+        yield part
+        os.replace(part, path)
+    except subprocess.CalledProcessError as error:
+        lines = str(error.stderr or error).strip().splitlines()
+        raise FesError(f"ffmpeg cannot write {path}: {lines[-1]}") from None
+    except OSError as error:
+        raise FesError(f"cannot write {path}: {reason(error, with_file=False)}") from None
+    finally:
         with suppress(OSError):
-            path.unlink()
-        if isinstance(error, OSError):
-            raise FesError(f"cannot write {path}: {reason(error)}") from None
-        raise
+            part.unlink()

@@ -167,7 +167,7 @@ def _of_run(target: Path) -> Drawings:
 
 
 def _followed(title: str, scenario: Scenario, name: str = "") -> History:
-    """The history of a run in process."""
+    """The history of a scenario, which runs in this process."""
     with progress.shown(title, scenario.ticks) as watch:
         return history.follow(scenario, name, watch)
 

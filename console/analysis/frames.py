@@ -20,11 +20,11 @@ SHORTEST, LONGEST = 4.0, 15.0
 HOLD = 2.0
 """Time for which the last frame stays [s]."""
 
-TRAIL = 0.12
-"""Share of the run whose path a trail shows."""
+PATH_SHARE = 0.12
+"""Share of the run that a path shows."""
 
-TRAIL_POINTS = 25
-"""Points of a trail, so that it fades in one step less."""
+PATH_POINTS = 25
+"""Points of a path; it fades in one step less."""
 
 MARGIN = 0.08
 """Margin of the map, as a share of its larger side."""
@@ -71,8 +71,8 @@ class Frame:
     """Both ends of each link in use [l, 2, 2] [m; world frame]."""
     outage: Ints
     """Class of the outage of each link, as in the dashboard: 0 good, 1 fair, 2 poor or unknown [l]."""
-    trails: Floats
-    """The last positions of each robot, the oldest first [n, TRAIL_POINTS, 2] [m; world frame]."""
+    paths: Floats
+    """The last positions of each robot, the oldest first [n, PATH_POINTS, 2] [m; world frame]."""
 
 
 def playback(ticks: int, dt: float, rate: float) -> Playback:
@@ -98,7 +98,7 @@ def frame(run: History, tick: int) -> Frame:
         conditions(run, tick),
         history.ends_at(run, tick),
         links.outage_class(run.outage[tick]),
-        trails(run, tick),
+        paths(run, tick),
     )
 
 
@@ -112,13 +112,13 @@ def conditions(run: History, tick: int) -> Ints:
     return result
 
 
-def trails(run: History, tick: int) -> Floats:
-    """The positions of each robot up to a tick, over a share of TRAIL of the run [n, TRAIL_POINTS, 2] [m].
+def paths(run: History, tick: int) -> Floats:
+    """The positions of each robot up to a tick, over the last PATH_SHARE of the run [n, PATH_POINTS, 2] [m].
 
     Before the start a robot stands at its first position.
     """
-    first = tick - TRAIL * (len(run.time) - 1)
-    ticks = np.maximum(np.rint(np.linspace(first, tick, TRAIL_POINTS)), 0).astype(np.int64)
+    first = tick - PATH_SHARE * (len(run.time) - 1)
+    ticks = np.maximum(np.rint(np.linspace(first, tick, PATH_POINTS)), 0).astype(np.int64)
     positions: Floats = run.poses[ticks, :, :2].swapaxes(0, 1)
     return positions
 

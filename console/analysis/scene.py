@@ -1,4 +1,4 @@
-"""The picture of one tick: the map with trails, beside the errors with a mark at that time."""
+"""The picture of one tick: the map with paths, beside the errors with a mark at that time."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
@@ -33,7 +33,7 @@ LINKS: tuple[tuple[str, Any, str], ...] = (
     (AMBER, (0, (5, 2)), f"< {POOR_OUTAGE:.0%}"),
     (VERMILION, (0, (1.5, 1.5)), "more"),
 )
-"""Color, dashes and name of each class of links: told apart by either."""
+"""Color, dashes and name of each class of links; color and dashes each distinguish the classes."""
 
 MARKS: dict[int, tuple[str, dict[str, Any], str]] = {
     TAKES_PART: ("o", {"color": INK, "markersize": 5}, "robot"),
@@ -70,7 +70,7 @@ class Scene:
             self._draw_legend({int(each) for frame in shown for each in frame.conditions})
         self._canvas: Any = FigureCanvasAgg(self.figure)
         moving = [
-            self._trails, *self._links, self._arrows, *self._robots.values(), *self._ids, *self._past, self._cursor,
+            self._paths, *self._links, self._arrows, *self._robots.values(), *self._ids, *self._past, self._cursor,
             *self._texts, self._time,
         ]  # fmt: skip
         self._moving: list[Artist] = moving
@@ -88,12 +88,12 @@ class Scene:
         return np.array(self._canvas.buffer_rgba())[..., :3]
 
     def _show(self, frame: Frame) -> None:
-        """Give everything that moves its place in a frame."""
+        """Update everything that differs between frames."""
         self._time.set_text(f"t = {frame.time:.1f} s")
         for kind, lines in enumerate(self._links):
             lines.set_segments(list(frame.ends[frame.outage == kind]))
-        pieces = np.stack([frame.trails[:, :-1], frame.trails[:, 1:]], axis=2)
-        self._trails.set_segments(list(pieces.reshape(-1, 2, 2)))
+        pieces = np.stack([frame.paths[:, :-1], frame.paths[:, 1:]], axis=2)
+        self._paths.set_segments(list(pieces.reshape(-1, 2, 2)))
         positions, headings = frame.poses[:, :2], frame.poses[:, HEADING]
         for condition, marks in self._robots.items():
             marks.set_data(*positions[frame.conditions == condition].T)
@@ -118,13 +118,13 @@ class Scene:
         axes, n = self._map, self._run.poses.shape[1]
         west, east, south, north = frames.bounds(self._run, MAP[2] * WIDTH / (MAP[3] * HEIGHT))
         axes.set(xlim=(west, east), ylim=(south, north), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-        fade = np.linspace(0.0, 1.0, frames.TRAIL_POINTS - 1)[:, None]
-        shades = 1.0 - fade * (1.0 - np.array(to_rgb(GRAY)))  # opaque: an older trail hides no newer one for long
-        self._trails: Any = LineCollection([], colors=np.tile(shades, (n, 1)), linewidths=1.8)
+        fade = np.linspace(0.0, 1.0, frames.PATH_POINTS - 1)[:, None]
+        shades = 1.0 - fade * (1.0 - np.array(to_rgb(GRAY)))  # opaque: an older path hides no newer one for long
+        self._paths: Any = LineCollection([], colors=np.tile(shades, (n, 1)), linewidths=1.8)
         self._links: list[Any] = [
             LineCollection([], colors=color, linestyles=[dashes], linewidths=1.8) for color, dashes, _ in LINKS
         ]
-        for lines in (self._trails, *self._links):
+        for lines in (self._paths, *self._links):
             axes.add_collection(lines, autolim=False)
         scale = 1.0 if n <= MOST_IDS else 0.6
         self._robots = {

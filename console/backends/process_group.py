@@ -6,7 +6,7 @@ import os
 import random
 import signal
 import socket
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -249,17 +249,6 @@ def free_port() -> int:
             probe.bind(("127.0.0.1", port))
             return port
     raise OSError("no free port on 127.0.0.1")
-
-
-def share(robots: int, per_process: int) -> Iterator[str]:
-    """Robot ids of each agent process, with up to `per_process` robots.
-
-    >>> list(share(5, 2))
-    ['0-1', '2-3', '4']
-    """
-    for first in range(0, robots, per_process):
-        last = min(first + per_process, robots) - 1
-        yield str(first) if first == last else f"{first}-{last}"
 
 
 def _use_flags() -> list[str]:

@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import os
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -55,7 +55,18 @@ class Launch:
 
     def groups(self, robots: int) -> list[str]:
         """The robot ids of each agent process."""
-        return list(process_group.share(robots, self.agents_per_process))
+        return list(share(robots, self.agents_per_process))
+
+
+def share(robots: int, per_process: int) -> Iterator[str]:
+    """Robot ids of each agent process, with up to `per_process` robots.
+
+    >>> list(share(5, 2))
+    ['0-1', '2-3', '4']
+    """
+    for first in range(0, robots, per_process):
+        last = min(first + per_process, robots) - 1
+        yield str(first) if first == last else f"{first}-{last}"
 
 
 def check(launch: Launch, scenario: Scenario) -> None:

@@ -5,8 +5,8 @@ from functools import partial
 
 from rich.console import Console
 
-from console.connect import observer
-from console.dashboard import live, source, summary
+from console.connect import index_source, observer
+from console.dashboard import live, summary
 from console.terminal import printing, progress
 from console.terminal.formatting import length
 from console.terminal.printing import is_screen
@@ -28,7 +28,7 @@ def on_screen(console: Console, dashboard: bool, scenario: Scenario) -> View | N
         return partial(_show_progress, scenario.ticks) if is_screen(printing.console(stderr=True)) else None
     if not is_screen(console):
         return None
-    return partial(_show_dashboard, live.Screen(console, summary.below(scenario), source=source.of(scenario)))
+    return partial(_show_dashboard, live.Screen(console, summary.below(scenario), source=index_source.of(scenario)))
 
 
 def of_reports(watch: Callable[[Report], None]) -> View:

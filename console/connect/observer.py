@@ -53,31 +53,34 @@ async def reports(bus: Bus, run: str, timeout: float, idle: float) -> AsyncItera
         is_alive, since = alive, loop.time()
         wake_up.set()
 
-    bus.declare_subscriber(keys.report(run), on_report)
-    bus.declare_liveliness_subscriber(keys.world_alive(run), on_world)
-    while True:
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(idle):
-                await wake_up.wait()
-        is_idle = not wake_up.is_set()
-        wake_up.clear()
-        while waiting:
-            try:
-                latest = decode_report(waiting.popleft())
-            except MessageError as error:
-                if world_info.speaks_otherwise(error):
-                    foreign, first = foreign + 1, min(first, loop.time())
-                if latest is None and foreign >= FOREIGN_REPORTS and loop.time() - first >= FOREIGN_PERIOD:
-                    raise
-                continue  # a view shows the reports that it can decode
-            before = loop.time()
-            yield latest
-            now = loop.time()
-            since = min(now, since + now - before)  # the caller may itself restart the world
-        if not is_alive and latest is not None and latest.tick + 1 >= latest.ticks:
-            return
-        if not is_alive and loop.time() - since > (max(RETURN, timeout) if latest is not None else timeout):
-            event = f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
-            raise Unavailable(f"the world of run '{run}' {event}")
-        if is_idle:
-            yield None
+    with contextlib.ExitStack() as declared:
+        declared.callback(bus.declare_subscriber(keys.report(run), on_report))
+        declared.callback(bus.declare_liveliness_subscriber(keys.world_alive(run), on_world))
+        while True:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(idle):
+                    await wake_up.wait()
+            is_idle = not wake_up.is_set()
+            wake_up.clear()
+            while waiting:
+                try:
+                    latest = decode_report(waiting.popleft())
+                except MessageError as error:
+                    if world_info.speaks_otherwise(error):
+                        foreign, first = foreign + 1, min(first, loop.time())
+                    if latest is None and foreign >= FOREIGN_REPORTS and loop.time() - first >= FOREIGN_PERIOD:
+                        raise
+                    continue  # a view shows the reports that it can decode
+                before = loop.time()
+                yield latest
+                now = loop.time()
+                since = min(now, since + now - before)  # the caller may itself restart the world
+            if not is_alive and latest is not None and latest.tick + 1 >= latest.ticks:
+                return
+            if not is_alive and loop.time() - since > (max(RETURN, timeout) if latest is not None else timeout):
+                event = (
+                    f"left after tick {latest.tick}" if latest is not None else f"did not appear within {timeout:g} s"
+                )
+                raise Unavailable(f"the world of run '{run}' {event}")
+            if is_idle:
+                yield None

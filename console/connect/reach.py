@@ -1,4 +1,4 @@
-"""A run as the flags of a command name it, and a session with it."""
+"""The run that the network flags of a command name, and a session with it."""
 
 import contextlib
 import inspect
@@ -20,7 +20,7 @@ from fes.transport.endpoints import Endpoints
 
 @dataclass(frozen=True)
 class Reach:
-    """A run, and the flags that say how it is reached."""
+    """A run, and the network flags by which a command reaches it."""
 
     role: str
     """Role of the certificate for a secured run."""
@@ -38,7 +38,7 @@ class Reach:
     def leave(
         self, timeout: float, main: Callable[[Bus], Coroutine[Any, Any, int]], *, needs_its_end: bool = False
     ) -> NoReturn:
-        """Run `main` with a session to its exit code, and end this process, as `fes.process.leave`."""
+        """Run `main` with a session, and end this process with its exit code, as `fes.process.leave` does."""
         endpoints = self.endpoints(timeout)
 
         async def connected() -> int:
@@ -51,7 +51,7 @@ class Reach:
 
 
 def reaching(role: str) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """A decorator for a command whose first parameter is a Reach: the command gets the flags of the network instead.
+    """A decorator for a command whose first parameter is a Reach: Typer gets the network flags in its place.
 
     Typer reads the flags from the signature.
     """

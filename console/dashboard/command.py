@@ -8,8 +8,9 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from console.connect import index_source
 from console.connect.reach import Reach, reaching
-from console.dashboard import live, source
+from console.dashboard import live
 from console.foxglove import server
 from console.terminal import printing
 from console.web import command as page
@@ -35,14 +36,14 @@ def view(
     web: Web = False,
     operator: Operator = False,
     foxglove: Annotated[
-        bool, typer.Option("--foxglove", help="Serve the topics of the log to Foxglove and Lichtblick instead.")
+        bool, typer.Option("--foxglove", help="Serve the run to Foxglove and Lichtblick, instead of a dashboard.")
     ] = False,
     port: Annotated[
         int | None,
         typer.Option(
             min=0,
             max=65535,
-            help=f"Port of --web ({page.PORT} by default) or --foxglove ({server.PORT}), on loopback; 0: any.",
+            help=f"Port of --web (default {page.PORT}) or --foxglove (default {server.PORT}); 0 for a free one.",
         ),
     ] = None,
     timeout: Annotated[
@@ -52,19 +53,21 @@ def view(
     """Show the dashboard of a running run (by default the latest one started in this folder)."""
     if web + foxglove + (picture is not None) > 1:
         raise FesError("choose one of --web, --foxglove and --picture")
+    if operator and not web:
+        raise FesError("--operator goes with --web")
     if web:
         _serve_page(reach, timeout, page.PORT if port is None else port, operator)
     if foxglove:
         session = opened(reach.endpoints(timeout), reach.run)
         number = server.PORT if port is None else port
         process.leave("fes", lambda: server.serve(session, reach.run, timeout, number))
-    if port is not None or operator:
-        raise FesError("--port is that of --web or --foxglove" if port is not None else "--operator goes with --web")
+    if port is not None:
+        raise FesError("--port is that of --web or --foxglove")
     screen = printing.console()
 
     async def show(session: Bus) -> int:
         await refuse_real_robots(session, reach.run)
-        shown = live.Screen(screen, source=source.of_running(reach.run, reach.endpoints(timeout)))
+        shown = live.Screen(screen, source=index_source.of_running(reach.run, reach.endpoints(timeout)))
         with shown as frames, live.saved(frames, picture, "fes view"):
             await live.watch(session, reach.run, timeout, frames)
         return process.SUCCESS
@@ -76,11 +79,12 @@ def _serve_page(reach: Reach, timeout: float, port: int, operator: bool) -> NoRe
     """Serve the page of a run, with controls for an operator."""
     page.require()
     reach = replace(reach, role=OPERATOR if operator else OBSERVER)
-    may_change = operator or page.may_change(reach.endpoints(timeout))
+    endpoints = reach.endpoints(timeout)
+    may_change = operator or page.may_change(endpoints)
 
     async def serve(session: Bus) -> int:
         await refuse_real_robots(session, reach.run)
-        about = page.facts_of(reach.run, is_announced=not reach.connect)
+        about = page.facts_of(reach.run, endpoints)
         await page.watch(session, reach.run, timeout, port, about, may_change)
         return process.SUCCESS
 

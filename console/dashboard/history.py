@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from console.dashboard.panels.map_panel import on_map
-from console.measures.team import SERIES, series
+from console.measures.team import SERIES, on_map, series
 from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
 

@@ -193,7 +193,7 @@ def _metrics(metrics: dict[str, dict[str, float | None]]) -> list[Row]:
 
 
 def _deadlines(deadlines: dict[str, Any]) -> list[Row]:
-    """Missed deadlines of the live clock, and the robot with most; what became late by them."""
+    """Missed deadlines of the live clock, the robot with most of them, and their effects."""
     missed = deadlines["missed"]
     share = "none due" if deadlines["missed_share"] is None else f"{deadlines['missed_share']:.3%}"
     worst = max(range(len(missed)), key=missed.__getitem__)
@@ -202,5 +202,5 @@ def _deadlines(deadlines: dict[str, Any]) -> list[Row]:
     slipped = shown_number(deadlines["slipped_s"], 3)
     return [
         ("deadlines missed", f"{sum(missed):,}, {share}{of_worst}"),
-        ("", f"{late:,} commands late, {stopped:,} ticks without, world slipped {slipped} s"),
+        ("commands", f"{late:,} late, {stopped:,} ticks without one, world slipped {slipped} s"),
     ]

@@ -1,6 +1,6 @@
-"""The topics of a log that a Report suffices for: those of `run.mcap`, by the same functions.
+"""The topics of `run.mcap` whose messages follow from a Report, by the same functions as in the log.
 
-A Report has no payloads of a tick, events, remarks and twists. So the topics `/scenario`, `/observations`,
+A Report has no payloads of a tick, events, remarks or twists. So the topics `/scenario`, `/observations`,
 `/beacons`, `/commands`, `/events`, `/log` and `/robot/<i>/state` are in the log only.
 """
 

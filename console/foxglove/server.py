@@ -86,7 +86,7 @@ def opened(port: int) -> Iterator["Viewers"]:
 
 
 class Viewers:
-    """The clients of a server, which receive the topics of the Reports that it follows."""
+    """The clients of a server, which receive the topics of each Report."""
 
     def __init__(self, server: "WebSocketServer", context: "Context") -> None:
         self.port = server.port
@@ -98,7 +98,7 @@ class Viewers:
         self._robots = self._time = 0
 
     async def follow(self, reports: AsyncIterator[Report | None]) -> None:
-        """Send each Report to the clients until their end; None among them stands for a time without one."""
+        """Send each Report to the clients until the Reports end; None stands for a time without one."""
         async for report in reports:
             if report is not None:
                 self.show(report)
@@ -119,7 +119,7 @@ class Viewers:
         self._send(messages.of_report(report))
 
     def repeat(self, topic: str) -> None:
-        """Send the last message of a topic again: a new subscriber lacks it, and there may never be another."""
+        """Send the last message of a topic again: a new subscriber lacks it, and another may never follow."""
         self._server.broadcast_time(self._time)
         self._channels[topic].log(self._last[topic], log_time=self._time)
 
@@ -144,7 +144,7 @@ def _subscriptions(on_topic: Callable[[str], None]) -> "ServerListener":
     from foxglove.websocket import ServerListener
 
     class Subscriptions(ServerListener):
-        """The calls of a server, of which subscriptions matter."""
+        """The callbacks of a server; only subscriptions have an effect."""
 
         def on_subscribe(self, client: "Client", channel: "ChannelView") -> None:
             """A client subscribes to a channel."""

@@ -3,5 +3,5 @@
 belief     measures of real robots, whose truth is unknown
 links      errors and losses of the links
 reception  curves of reception as measuring robots learn it, and as it is
-team       the plotted measures, and the robots that cut the links
+team       the plotted measures, the robots that are drawn, and the parts of the links
 """

@@ -1,9 +1,9 @@
-"""The plotted measures of a team, and the robots that its links depend on."""
+"""The plotted measures of a team, the robots that views draw, and the parts into which the links join them."""
 
 import numpy as np
 
 from console.measures import belief, links
-from fes.arrays.types import Floats
+from fes.arrays.types import Bools, Floats
 from fes.protocol.report import Report
 from world.metrics import graphs
 
@@ -13,6 +13,9 @@ SERIES = {
     "separation_error_max": "separation error",
 }
 """Plotted fields of a Report, and their labels."""
+
+FARTHEST = 1e9
+"""Robots beyond this x or y are not drawn [m]."""
 
 
 def series(report: Report) -> Floats:
@@ -27,7 +30,13 @@ def labels(report: Report) -> tuple[str, ...]:
     return belief.SERIES if report.is_of_robots else tuple(SERIES.values())
 
 
+def on_map(report: Report) -> Bools:
+    """True for each robot [n] whose position is known, and not absurd."""
+    inside: Bools = np.all(np.abs(report.poses[:, :2]) < FARTHEST, axis=1)  # false for NaN
+    return inside
+
+
 def parts(report: Report) -> int:
-    """Number of parts into which the links in use join the living robots."""
+    """Number of connected parts of the graph of the living robots and the links in use."""
     known = links.known_ends(report)
     return graphs.parts(report.alive == 1, report.a[known], report.b[known])

@@ -5,6 +5,7 @@ import functools
 import time
 from typing import NoReturn
 
+from console.connect import index_source
 from console.replay import recorded, reexecution
 from console.replay.log import Log
 from console.web import command
@@ -13,6 +14,7 @@ from console.web.history import History
 from fes import process
 from fes.errors import FesError
 from fes.protocol.report import Report, decode_report, encode_report
+from fes.recording.layout import AT_ITS_END
 
 CAPACITY = 2_000_000
 """Largest number of robot-ticks whose Reports are stored, about 130 bytes each."""
@@ -26,7 +28,7 @@ class RecordedRun:
     def __init__(self, log: Log) -> None:
         self.history = History()
         self.version = 0
-        self.status = Status("executing the log again")
+        self.status, self._end = Status("executing the log again"), _end(log)
         self._dt = log.scenario.run.dt
         self._stride = 1 + log.scenario.robots.number * log.scenario.ticks // CAPACITY
         self._reports = reexecution.reports(log)
@@ -56,7 +58,7 @@ class RecordedRun:
                 if time.monotonic() >= until:
                     await asyncio.sleep(_PAUSE)
                     until = time.monotonic() + _BURST
-            self.status = Status("recorded")
+            self.status = self._end
         except FesError as error:
             self.status = Status(str(error), True)
             process.warn("fes", str(error))
@@ -70,18 +72,24 @@ class RecordedRun:
             self.version += 1
 
 
+def _end(log: Log) -> Status:
+    """The status of a log that has been executed again."""
+    if log.ended == AT_ITS_END:
+        return Status("recorded")
+    return Status("the log has no end" if log.ended is None else f"the run ended early: {log.ended}", True)
+
+
 def show(log: Log, port: int, speed: float) -> NoReturn:
     """Serve the page of a log until a signal, and end the process."""
     command.require()
-    note = recorded.other_digits(log) or log.complaint
-    if note is not None:
+    for note in filter(None, (recorded.other_digits(log), log.complaint)):
         process.warn("fes", note)
 
     async def main() -> int:
         from console.web.slider import TimeSlider
 
         shown, run = RecordedRun(log), log.scenario.run
-        about = RunFacts(str(log.path), run.seed, command.index_of(log.scenario))
+        about = RunFacts(str(log.path), run.seed, index_source.of(log.scenario))
         slider = functools.partial(TimeSlider, (log.scenario.ticks - 1) * run.dt, run.dt, speed)
         await command.serve(port, shown, about, shown.execute(), slider=slider)
         return process.SUCCESS

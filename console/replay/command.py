@@ -35,21 +35,23 @@ def replay(
     json_: Annotated[bool, typer.Option("--json", help="Print only the summary, as JSON.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", help=VERBOSE)] = False,
     web: Web = False,
-    port: Port = PORT,
+    port: Port = None,
 ) -> int:
     """Show a recorded run, or execute it again and compare it with the log, to the bit."""
     if robot is not None and all_:
         raise FesError(f"--all executes every robot again: give either --all or --robot {robot}")
     if web and (robot is not None or all_ or headless or json_):
         raise FesError("--web shows a run: give it without --robot, --all, --headless and --json")
-    if of_robots := robot_logs.chosen(target, robot, all_):
-        if web:
-            raise FesError(f"--web shows the log of a run, not that of a robot: {target}")
+    if port is not None and not web:
+        raise FesError("--port is that of --web")
+    if web:
+        robot_logs.refuse(target)
+    elif of_robots := robot_logs.chosen(target, robot, all_):
         return robot_logs.replay(of_robots, robot, json_)
     log = logs.load(target)
-    if web:
-        browser.show(log, port, speed)
     extensions.check(log.scenario, log.extensions, str(log.path))
+    if web:
+        browser.show(log, PORT if port is None else port, speed)
     screen = printing.console(stderr=json_)
     if robot is not None:
         with progress.shown(f"robot {robot}", logs.length(log)) as watch:

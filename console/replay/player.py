@@ -7,7 +7,7 @@ from collections import deque
 from rich.console import Console, Group, RenderableType
 from rich.text import Text
 
-from console.dashboard import source
+from console.connect import index_source
 from console.dashboard.frame import render
 from console.dashboard.history import ReportHistory
 from console.replay import reexecution
@@ -39,7 +39,7 @@ class Player:
         self.over = False
         self.tick = -1
         """Tick currently shown."""
-        self._source = source.of(log.scenario)
+        self._source = index_source.of(log.scenario)
         self.history = self._new_history()
         self._wanted = 0.0
         self._stride = 1 + log.scenario.robots.number * self.ticks // _CAPACITY

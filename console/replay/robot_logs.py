@@ -40,6 +40,16 @@ def chosen(target: Path, robot: int | None, all_: bool) -> list[Path]:
     return paths
 
 
+def refuse(target: Path) -> None:
+    """Raise FesError for a target with logs of robots and none of a run, which a page cannot show."""
+    if target.is_dir():
+        is_of_robots = bool(layout.paths(target)) and run_reader.find(target) is None
+    else:
+        is_of_robots = target.is_file() and reader.is_robot_log(target)
+    if is_of_robots:
+        raise FesError(f"--web shows the log of a run, not that of a robot: {target}")
+
+
 def replay(paths: list[Path], robot: int | None, json_: bool) -> int:
     """Execute the robots of these logs again, and print one line each; returns the exit code.
 

@@ -112,7 +112,7 @@ def _at_worker(versions: tuple[str, str], batch: Batch) -> list[Done]:
 
 
 def _reported(key: str) -> Watch:
-    """On a worker: report the completed ticks of a batch to the scheduler, each REPORTING [s]."""
+    """On a worker: report the completed ticks of a batch to the scheduler, every REPORTING [s]."""
     from distributed import get_worker
 
     worker, reported = get_worker(), -math.inf

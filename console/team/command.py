@@ -51,7 +51,7 @@ def carry(
         int, typer.Option(min=1, max=keys.MAX_ROBOTS, metavar="N", help="With --keys: robots 0 to N-1 may take part.")
     ] = 100,
 ) -> NoReturn:
-    """Carry the team's network until Ctrl-C: gates, operators and observers connect to this router."""
+    """Run the router of a team until Ctrl-C: gates, operators and observers connect to it."""
     name = keys.check_run(run)
     process.run("fes", lambda: router.serve(name, tuple(listen or ()), certificates, robots))
 

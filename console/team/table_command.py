@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
-from console.connect import options, run_directory
-from console.dashboard import live, source
+from console.connect import index_source, options, run_directory
+from console.dashboard import live
 from console.team.table_run import TableRun
 from console.terminal import printing, progress
 from fes import process
@@ -49,7 +49,7 @@ def run(
         say = lines.append if shows or json_ else printing.line
         team = TableRun(loaded, directory.path, say)
         if shows:
-            with live.Screen(screen, BELOW, "the robots", source.of(loaded)) as frames:
+            with live.Screen(screen, BELOW, "the robots", index_source.of(loaded)) as frames:
                 result = process.supervise(lambda: team.run(frames))
         else:
             with progress.drawn("running", loaded.ticks) as bar:

@@ -5,7 +5,7 @@ from functools import partial
 from itertools import accumulate
 
 Watch = Callable[[int], None]
-"""Called again and again with the number of completed units, such as ticks, which rises to the total."""
+"""Called repeatedly with the number of completed units, such as ticks, up to the total."""
 
 
 def ignore(done: int) -> None:
@@ -13,7 +13,7 @@ def ignore(done: int) -> None:
 
 
 def parts(watch: Watch, *totals: int) -> list[Watch]:
-    """A Watch for each part of a work, which counts on from the totals of the parts before it.
+    """A Watch for each part of the work, which continues from the totals of the parts before it.
 
     >>> counts: list[int] = []
     >>> first, second = parts(counts.append, 10, 5)

@@ -1,7 +1,7 @@
 """Progress of a command that takes longer than a second, on standard error if that is a terminal.
 
 `with shown("drawing", 50, "frames") as watch: ...` draws a bar with rate and remaining time. The block calls
-`watch(done)` with the number of completed units. Where no terminal is, it draws nothing.
+`watch(done)` with the number of completed units. Without a terminal it draws nothing.
 """
 
 import contextlib
@@ -32,7 +32,7 @@ SPINNER = "line"
 """Name of a rich spinner that every encoding can print."""
 
 PERIOD = 0.1
-"""Time between two updates of a bar [s]; a count in between only stores a number."""
+"""Shortest time between two updates of a bar [s]; counts in between are not drawn."""
 
 WIDEST = 40
 """Largest width of a bar [columns]."""
@@ -48,7 +48,7 @@ class Bar:
         self._updated = -PERIOD
 
     def __call__(self, done: float) -> None:
-        """Show that `done` of the total is complete, at once or with a later call."""
+        """Show the completed part `done` of the total; a call soon after another draws nothing."""
         now = time.monotonic()
         if now - self._updated >= PERIOD or done == self._total:
             self._updated = now
@@ -129,7 +129,7 @@ def rate(speed: float, unit: str) -> str:
 
 
 class _Task(ProgressColumn):
-    """The name of the work, which is cut where the line is short: it must not wrap."""
+    """The name of the work, shortened on a narrow terminal, since the line must not wrap."""
 
     def __init__(self) -> None:
         super().__init__(Column())
@@ -139,7 +139,7 @@ class _Task(ProgressColumn):
 
 
 class _Bar(BarColumn):
-    """A bar that gives way to the text beside it on a narrow terminal."""
+    """A bar that is shorter on a narrow terminal, where the text beside it needs the room."""
 
     def __init__(self) -> None:
         super().__init__(None, table_column=Column(ratio=1, max_width=WIDEST))

@@ -1,4 +1,4 @@
-"""The charts of a page: errors and team index over time, reception over separation."""
+"""The charts of a page: errors and team index over time, and reception over separation."""
 
 import math
 from typing import Any
@@ -55,7 +55,7 @@ class Curves:
 
 
 class Reception:
-    """Reception over separation: as robots learn it, as it is, and as they count it."""
+    """Reception over separation: as robots have learnt it, as it is, and as they count it."""
 
     def __init__(self) -> None:
         self._learnt, self._true = (source(name, "separation", "reception") for name in ("learnt", "true"))
@@ -113,7 +113,7 @@ def _line(plot: Any, data: Any, x: str, y: str, style: tuple[str, str], label: s
 
 
 def legend_key(plot: Any, label: str, color: str, dash: str) -> None:
-    """An entry of the legend that is there even while nothing is drawn in its style."""
+    """Add an entry to the legend, which stays even while nothing is drawn in its style."""
     plot.line([math.nan], [math.nan], color=color, line_dash=dash, line_width=2, legend_label=label)
 
 

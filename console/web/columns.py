@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from console.measures import links, reception
+from console.measures import links, reception, team
 from console.measures.links import FAIR_OUTAGE, POOR_OUTAGE
 from fes.arrays.geometry import HEADING
-from fes.arrays.types import Bools, Floats
+from fes.arrays.types import Floats
 from fes.protocol.report import Report
 
 Columns = dict[str, Any]
-"""Arrays or lists of one length, by their names."""
+"""Arrays or lists of equal length, by name."""
 
 QUALITIES = (f"below {FAIR_OUTAGE:.0%}", f"below {POOR_OUTAGE:.0%}", "more, or unknown")
 """Classes of links by their outage, good ones first."""
@@ -33,21 +33,13 @@ ARROW = 14.0
 POINTS = 64
 """Points of a curve of reception."""
 
-_MOST = 1e9  # m; robots beyond are not drawn
-
-
-def shown(report: Report) -> Bools:
-    """True for each robot that is drawn [n]; false for an unknown pose."""
-    on_map: Bools = np.all(np.abs(report.poses[:, :2]) < _MOST, axis=1)
-    return on_map
-
 
 def robots(report: Report) -> Columns:
     """The robots that are drawn, with position [m], heading [deg] and state.
 
     The marker of a robot that is not alive is a cross, without an arrow along its heading.
     """
-    drawn = np.flatnonzero(shown(report))
+    drawn = np.flatnonzero(team.on_map(report))
     alive, cutting = report.alive[drawn] == 1, np.isin(drawn, report.cutting)
     heading = np.where(np.isfinite(report.poses[drawn, HEADING]), report.poses[drawn, HEADING], 0.0)
     return {
@@ -65,7 +57,7 @@ def robots(report: Report) -> Columns:
 
 def lines(report: Report) -> Columns:
     """The links between robots that are drawn: both ends [m], quality, and the columns of `table`."""
-    on_map, known = shown(report), links.known_ends(report)
+    on_map, known = team.on_map(report), links.known_ends(report)
     drawn = np.flatnonzero(known)
     drawn = drawn[on_map[report.a[drawn]] & on_map[report.b[drawn]]]
     kind = links.outage_class(links.loss(report)[drawn]).tolist()

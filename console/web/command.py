@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from console.connect import channel_request, run_directory
+from console.connect import channel_request, index_source
 from console.terminal import printing
 from console.web import feed
 from console.web.facts import RunFacts
@@ -24,7 +24,7 @@ from fes.protocol.channel_change import ParameterChange
 from fes.system.distribution import install
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
-from world.config import remarks, scenario
+from world.config import remarks
 
 if TYPE_CHECKING:
     from console.web.page import Source
@@ -41,7 +41,8 @@ NICENESS = 10
 
 Web = Annotated[bool, typer.Option("--web", help="Show a page in a browser, instead of a dashboard.")]
 Port = Annotated[
-    int, typer.Option(min=0, max=65535, help="Port of the page, on this machine only; 0 for a free one.")
+    int | None,
+    typer.Option(min=0, max=65535, help=f"Port of --web ({PORT} by default), on loopback; 0: any."),
 ]
 Operator = Annotated[
     bool, typer.Option("--operator", help="With --web: use the operator's certificate, and show controls.")
@@ -86,32 +87,27 @@ async def serve(
         stack.callback(work.close)
         address = await stack.enter_async_context(server.opened(port, make_page))
         printing.line(address)
-        sys.stdout.flush()  # a pipe would keep it
+        sys.stdout.flush()  # a pipe would buffer it
         await work
         await asyncio.Event().wait()
 
 
 def may_change(endpoints: Endpoints) -> bool:
-    """True if a page may have controls without a certificate: the run speaks plainly, on this machine only."""
-    return not endpoints.security and all(_is_loopback(endpoint) for endpoint in endpoints.connect)
+    """True if a page may have controls without a certificate: the run speaks plainly, on this machine only.
+
+    Settings of Zenoh could name another machine, or a certificate.
+    """
+    is_plain = not endpoints.security and endpoints.config_file is None and not endpoints.settings
+    return is_plain and all(_is_loopback(endpoint) for endpoint in endpoints.connect)
 
 
-def facts_of(run: str, is_announced: bool) -> RunFacts:
-    """The facts about a run, with its seed and its index if it is announced in this folder."""
-    announcement = run_directory.announced(run) if is_announced else None
-    if announcement is None:
+def facts_of(run: str, endpoints: Endpoints) -> RunFacts:
+    """The facts about the run at these endpoints, with its seed and its index if it was started in this folder."""
+    started = index_source.started_here(run, endpoints)
+    if started is None:
         return RunFacts(run)
-    directory = announcement[0].parent
-    with contextlib.suppress(FesError, OSError):
-        loaded = scenario.load(directory / run_directory.SCENARIO[0], {})
-        return RunFacts(f"{run} in {directory}", loaded.run.seed, index_of(loaded))
-    return RunFacts(run)
-
-
-def index_of(loaded: scenario.Scenario) -> str:
-    """The name of the index of a scenario."""
-    index = getattr(loaded.seeking, "index", None) or getattr(loaded.seeking, "use", "")
-    return str(index)
+    directory, loaded = started
+    return RunFacts(f"{run} in {directory}", loaded.run.seed, index_source.of(loaded))
 
 
 def _is_loopback(endpoint: str) -> bool:

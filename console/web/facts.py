@@ -24,7 +24,7 @@ class RunFacts:
     seed: int | None = None
     """None if the run is announced in another folder."""
     index: str | None = None
-    """Index that the robots seek with, by its name in the scenario; None if it is unknown."""
+    """Source of the index that the robots seek with, in words; None if it is unknown."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ def header(report: Report | None, facts: RunFacts, status: Status) -> str:
 
 
 def kind(report: Report, facts: RunFacts) -> str:
-    """The index of a run: `oracle` or `measured`, or the one of its scenario."""
-    return facts.index or ("measured" if reception.is_measured(report) else "oracle")
+    """The source of the index; unknown without a scenario, until a robot has learnt parameters of the channel."""
+    return facts.index or ("measured" if reception.is_measured(report) else UNKNOWN)
 
 
 def _facts(report: Report, facts: RunFacts) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""The history of a run for a page: the worst values over time, and the trails of the robots."""
+"""The history of a run for a page: the worst values over time, and the paths of the robots."""
 
 import math
 
@@ -12,11 +12,11 @@ from fes.protocol.report import Report
 BINS = 1024
 """Number of bins of the curves. When they are full, pairs of bins are merged."""
 
-TRAIL = 128
-"""Largest number of points of a robot's trail."""
+PATH_LENGTH = 128
+"""Largest number of points of a robot's path."""
 
-TRAIL_POINTS = 8192
-"""Largest number of points of all trails together, but for teams of more than a thousand robots."""
+PATH_POINTS = 8192
+"""Largest number of points of all paths together, but for teams of more than a thousand robots."""
 
 SERIES = ("first", "second", "third")
 """Columns of the measures that `console.measures.team.labels` names."""
@@ -64,7 +64,7 @@ class History:
         """Times at which the channel changed [s]."""
         return {"time": np.array(self._changes)}
 
-    def trails(self, until: int) -> Columns:
+    def paths(self, until: int) -> Columns:
         """Positions of all robots up to a tick [m], one robot after the other, with a gap of NaN between them."""
         positions = [place for tick, place in zip(self._stops, self._positions, strict=True) if tick <= until]
         gap = np.full((1, self._robots, 2), math.nan)
@@ -97,8 +97,8 @@ class History:
         if self._stops and report.tick - self._stops[-1] < self._pause:
             return
         self._stops.append(report.tick)
-        self._positions.append(report.poses[:, :2].astype(np.float64))
-        if len(self._stops) > min(TRAIL, max(8, TRAIL_POINTS // max(1, self._robots))):
+        self._positions.append(np.where(team.on_map(report)[:, None], report.poses[:, :2], math.nan))
+        if len(self._stops) > min(PATH_LENGTH, max(8, PATH_POINTS // max(1, self._robots))):
             self._stops, self._positions = self._stops[::2], self._positions[::2]
             self._pause = max(1, (self._stops[-1] - self._stops[0]) // max(1, len(self._stops) - 1))
 

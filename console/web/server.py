@@ -25,17 +25,17 @@ BACKLOG = 128
 """Largest number of connections that wait to be accepted."""
 
 ABSENCE = 5.0
-"""Time after which the page of a browser that has left is forgotten [s]."""
+"""Time after which the page of a closed browser is discarded [s]."""
 
 MakePage = Callable[[Document], None]
-"""Fills a new document for a browser. Bokeh wants that its argument is called `doc`."""
+"""Fills a new document for a browser. Bokeh requires that its argument is called `doc`."""
 
 LONGEST = 1 << 20
 """Longest message from a browser [bytes]."""
 
 
 class _NoFrames(OutputTransform):
-    """Forbids other pages to frame ours: a person could be made to press its buttons unseen."""
+    """Forbids other pages to embed this one in a frame: a person could press its buttons without seeing them."""
 
     def transform_first_chunk(
         self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool
@@ -81,6 +81,7 @@ async def opened(port: int, make_page: MakePage) -> AsyncIterator[str]:
     try:
         yield f"http://{HOST}:{bound}/"
     finally:
+        logging.getLogger("bokeh").setLevel(logging.CRITICAL)  # no error of an update that the end interrupts
         http.stop()
         await http.close_all_connections()
         server.stop()

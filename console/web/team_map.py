@@ -1,4 +1,4 @@
-"""The map of the team in two dimensions: trails, links by outage, robots by heading and state."""
+"""The map of the team in two dimensions: paths, links by outage, robots by heading and state."""
 
 from typing import Any
 
@@ -6,6 +6,7 @@ import numpy as np
 from bokeh.models import CDSView, GroupFilter, HoverTool
 from bokeh.plotting import figure
 
+from console.measures import team
 from console.web import columns
 from console.web.charts import legend_key, settle_legend, source
 from console.web.columns import ARROW, DASHES, FADED, LINK_COLORS, QUALITIES
@@ -35,7 +36,7 @@ class TeamMap:
     """A figure with equal scales in x and y, which follows the team until a person zooms."""
 
     def __init__(self) -> None:
-        self._trails = source("trails", "x", "y")
+        self._paths = source("paths", "x", "y")
         self._links = source("links", *LINK)
         self._robots = source("robots", *ROBOT)
         plot = self.figure = figure(
@@ -48,7 +49,7 @@ class TeamMap:
             tools="pan,wheel_zoom,box_zoom,reset,save",
             active_scroll="wheel_zoom",
         )
-        plot.line("x", "y", source=self._trails, color=FADED, alpha=0.8, line_width=1)
+        plot.line("x", "y", source=self._paths, color=FADED, alpha=0.8, line_width=1)
         links = [self._class(*style) for style in zip(QUALITIES, LINK_COLORS, DASHES, strict=True)]
         bodies = {"source": self._robots, "line_color": "color", "line_width": 2}
         plot.ray("tail", "y", angle="angle", length=ARROW, length_units="screen", **bodies)
@@ -65,12 +66,12 @@ class TeamMap:
         plot.toolbar.logo = None
 
     def show(self, report: Report, history: History) -> None:
-        """Show a report, with the trails up to its tick."""
-        self._trails.data = history.trails(report.tick)
+        """Show a report, with the paths up to its tick."""
+        self._paths.data = history.paths(report.tick)
         self._links.data = columns.lines(report)
         self._robots.data = columns.robots(report)
-        if not np.any(columns.shown(report)):
-            self._trails.data = {"x": np.zeros(0), "y": np.zeros(0)}
+        if not np.any(team.on_map(report)):
+            self._paths.data = {"x": np.zeros(0), "y": np.zeros(0)}
 
     def _class(self, quality: str, color: str, dash: str) -> Any:
         """The links of a class of outage."""

@@ -30,11 +30,11 @@ class Permit(NamedTuple):
     sequence: int
     """Number of the Permit: a gate accepts only rising ones of one operator."""
     sent_at: int
-    """Reading of the operator's clock when it was sent [ns]; its zero has no meaning."""
+    """Reading of the operator's clock when the Permit was sent [ns]; the clock starts at any number."""
 
 
 class Start(NamedTuple):
-    """The operator's order to start one robot, which a gate takes only while it is young."""
+    """The operator's request to start one robot; a gate refuses it after a second."""
 
     clock: int
     """Reading of the gate's clock in the GateStatus that the operator has just received [ns]."""
@@ -59,7 +59,7 @@ class GateStatus(NamedTuple):
     refused: int
     """Commands of the agent that were old, repeated or not finite."""
     clock: int = 0
-    """Reading of the gate's own clock [ns], which begins at a random number: a Start quotes it."""
+    """Reading of the gate's own clock [ns], which starts at a random number: a Start quotes it."""
 
 
 def encode_permit(message: Permit) -> bytes:

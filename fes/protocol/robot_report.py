@@ -36,7 +36,7 @@ NO_AGE = -1.0
 
 
 class Heard(NamedTuple):
-    """The ticks of a robot since its agent started, by what they hold of each peer, by sequence numbers."""
+    """Ticks of a robot since its agent started, for each peer: with its beacon, with a lost one, or concealed."""
 
     peers: Ints
     """Ascending [p]."""
@@ -45,7 +45,7 @@ class Heard(NamedTuple):
     missed: Ints
     """Ticks with a beacon that was lost [p]."""
     concealed: Ints
-    """Ticks that repeat an earlier one, because the peer or the network paused [p]."""
+    """Ticks that repeat the verdict of an earlier one, because the peer or the network paused [p]."""
     estimates: Floats
     """The peer's own separation estimate of the link to this robot, from its last beacon [p] [m]; NaN without one."""
 

@@ -153,15 +153,16 @@ class Bus:
         """Declare a liveliness token. It lasts until the session closes or the process dies."""
         self._held.append(self._session.liveliness().declare_token(key))
 
-    def declare_liveliness_subscriber(self, key: str, handler: Callable[[str, bool], None]) -> None:
-        """Call `handler(key, alive)` on the loop when a token on `key` appears or is lost, and for present tokens."""
+    def declare_liveliness_subscriber(self, key: str, handler: Callable[[str, bool], None]) -> Callable[[], None]:
+        """Call `handler(key, alive)` on the loop with each token, also present ones; returns a function to end it."""
 
         def on_change(sample: zenoh.Sample) -> None:
             alive = sample.kind == zenoh.SampleKind.PUT
             self._loop.call_soon_threadsafe(handler, str(sample.key_expr), alive)
 
         callback = zenoh.handlers.Callback(on_change, indirect=False)
-        self._held.append(self._session.liveliness().declare_subscriber(key, callback, history=True))
+        self._held.append(declared := self._session.liveliness().declare_subscriber(key, callback, history=True))
+        return declared.undeclare
 
     async def liveliness_get(self, key: str, timeout: float) -> list[str]:
         """The present liveliness tokens on `key`; raises Unavailable without the router's answer in `timeout` [s]."""
@@ -237,8 +238,7 @@ class Bus:
         if answer.startswith(REJECTION):
             why = answer.removeprefix(REJECTION).decode(errors="replace")
             raise Overloaded(why) if why == OVERLOADED else Rejected(why)
-        # Zenoh reports a timeout as an error reply.
-        raise Unavailable(f"no process answered on {key} within {timeout:g} s")
+        raise Unavailable(f"no process answered on {key} within {timeout:g} s")  # Zenoh's error reply at a timeout
 
 
 @asynccontextmanager

@@ -1,4 +1,4 @@
-"""The operator's side of a gate: permits come in; start, stop and status are answered; a token shows it.
+"""The operator's side of a gate: it takes permits, answers starts, stops and states, and has a liveliness token.
 
 An answer waits while the operator's network is congested. So a thread sends it, and the loop never waits.
 """
@@ -17,12 +17,15 @@ from fes.transport.bus import Bus, Query
 from field.gate.driver import Arrivals
 
 TRIES, PAUSE, PATIENCE = 12, 0.25, 2.0
-"""Tries, 0.25 s apart, to be the only gate: the token of one whose link was cut stays for a lease of 2 s."""
+"""Tries, 0.25 s apart, to be the only gate: after a cut of its link, the token of an earlier gate stays for 2 s."""
 
 SCHEMA = "fes.GateStatus"
 
 MOST_ANSWERS = 64
-"""Answers that wait to be sent; with as many, further queries are refused."""
+"""Answers that wait to be sent; with as many, further queries are refused, but for stops."""
+
+MOST_WITH_STOPS = 2 * MOST_ANSWERS
+"""As MOST_ANSWERS, for stops: unread answers to other queries must not keep a robot from its stop."""
 
 Control = Callable[[bytes], GateStatus]
 """Answers a query, given its payload, with the state afterwards; raises FesError to reject it."""
@@ -31,17 +34,16 @@ Control = Callable[[bytes], GateStatus]
 class Answers:
     """Answers on their way from the loop to the network, which a thread sends in order.
 
-    The thread ends with the process. Nothing waits for it, since Zenoh may hold it up for seconds.
+    The thread ends with the process. Nothing waits for it, since Zenoh may block it for seconds.
     """
 
     def __init__(self) -> None:
         self._waiting: SimpleQueue[Callable[[], None]] = SimpleQueue()
         threading.Thread(target=self._send, name="answers", daemon=True).start()
 
-    @property
-    def is_free(self) -> bool:
-        """True if there is room for a further answer."""
-        return self._waiting.qsize() < MOST_ANSWERS
+    def has_room(self, most: int = MOST_ANSWERS) -> bool:
+        """True if fewer than `most` answers wait."""
+        return self._waiting.qsize() < most
 
     def put(self, send: Callable[[], None]) -> None:
         """Let the thread call `send`."""
@@ -80,12 +82,12 @@ class Operator:
         """Take permits and answer queries from now on."""
         run, robot = self._run, self._robot
         self._bus.hold(self._bus.declare_subscriber(keys.permit(run), self._permits.put))
-        for key, control in (
-            (keys.gate_start(run, robot), start),
-            (keys.gate_stop(run, robot), stop),
-            (keys.gate_status(run, robot), status),
+        for key, control, most in (
+            (keys.gate_start(run, robot), start, MOST_ANSWERS),
+            (keys.gate_stop(run, robot), stop, MOST_WITH_STOPS),
+            (keys.gate_status(run, robot), status, MOST_ANSWERS),
         ):
-            self._bus.declare_queryable(key, self._answering(control), lambda: self._answers.is_free)
+            self._bus.declare_queryable(key, self._answering(control), partial(self._answers.has_room, most))
         self._bus.declare_token(keys.gate_alive(run, robot))  # last: it promises that all the others are declared
 
     def permits(self) -> list[tuple[int, Permit]]:

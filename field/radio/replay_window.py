@@ -8,9 +8,9 @@ Somebody who records datagrams can send them again, but cannot make new ones wit
   can tell it from a robot that restarts. It passes only while the present start has been silent for TAKEOVER.
 
 The limit: while a robot is silent, a recorded start that is unknown here can take its place. The robot's own beacons
-are then refused until it restarts. Also, a datagram of the present start that was recorded elsewhere, and never heard
-here, passes until a higher number has; `Senses` counts it as late unless the robot has been silent. A new name for
-each run, or a new key, makes all older records useless.
+are then refused until it restarts. Also, a datagram of the present start may be recorded elsewhere, and never heard
+here. It passes while its number is less than WINDOW behind the highest, and counts as decoded. A new name for each
+run, or a new key, makes all older records useless.
 """
 
 from collections import deque

@@ -68,8 +68,8 @@ class Robot:
     async def live(self, gate: AgentLink, radio: Radio, log: RobotLog | None) -> None:
         """Step at each tick; raises Unavailable when the gate has ended.
 
-        A tick that comes late is answered late: the beacons of its peers would else count as lost. Only the command
-        of the newest tick goes to the gate.
+        A tick that comes late is answered late, so that its peers miss no beacon. Only the command of the newest tick
+        goes to the gate.
         """
         gate.sleep()
         tick = self._clock.tick(time.monotonic_ns()) + 1

@@ -43,8 +43,8 @@ class Stepper:
 def warm_up(config: AgentConfig, robot: int) -> None:
     """Step another crew with these settings and a peer, so that all code is loaded before the robot moves.
 
-    A first step takes as long as hundreds of others. A beacon that is so late counts as lost at every peer, at the
-    start of a run, which distorts the first estimates. Raises FesError for settings that no crew accepts.
+    A first step takes as long as hundreds of others. Meanwhile no beacon leaves, and every peer conceals the pause at
+    the start of a run, which distorts the first estimates. Raises FesError for settings that no crew accepts.
     """
     peer, senses = robot + 1, Senses(robot, 4)
     own, far = Stepper(config, robot, senses), Stepper(config, peer, Senses(peer, 4))

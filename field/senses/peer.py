@@ -17,13 +17,13 @@ class Heard(NamedTuple):
 
 
 class Peer:
-    """One start of a peer, since it was first heard, or since it was heard again after a silence."""
+    """A peer since the first beacon of one start of its agent, or since the first one after a silence."""
 
     def __init__(self, sealed: Sealed, first: Heard, counts: BeaconCounts) -> None:
         """`first` is the first beacon that decoded, with its datagram `sealed`."""
         self.boot, self.last_heard, self.counts = sealed.boot, first.time, counts
         self.begin = math.floor(first.time) + 1
-        """The first own tick after the first beacon. It has no verdict yet: a tick of patience."""
+        """The first own tick after the first beacon. It has no verdict yet: the queue keeps one in reserve."""
         self._newest, self._sequence = first, sealed.sequence
         self._verdicts = Verdicts(sealed.sequence, counts)
         counts.starts += 1

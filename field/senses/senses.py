@@ -21,8 +21,8 @@ from field.senses.own_poses import OwnPoses, Pose
 from field.senses.peer import Heard, Peer
 
 STALE = 4
-"""A beacon is handed over until it is older than this part of the memory: the pose of a silent peer is not true for
-long, and a contact must end in time."""
+"""A beacon is handed over until it is older than this part of the memory, but for a tick at least: the pose of a
+silent peer is not true for long, and a contact must end in time."""
 
 
 class Senses:
@@ -38,6 +38,7 @@ class Senses:
         self._peers: dict[int, Peer] = {}
         self._poses = OwnPoses()
         self._stepped = -1
+        self._since: int | None = None
         self._in_range: Ints = np.zeros(0, dtype=np.int64)
         self._taken: list[Heard] = []
 
@@ -61,14 +62,18 @@ class Senses:
         """The observation of a tick, and the newest beacons, which get the number of the tick before, by sender.
 
         `pose` is the own pose at this step, `fixed` the tick at which it was measured, and `since` the tick from
-        which the robot takes part. Ticks ascend, and may skip some. Raises ValueError for one that does not ascend.
+        which the robot takes part: with a new one all peers begin anew, since it did not listen before. Ticks ascend,
+        and may skip some. Raises ValueError for one that does not ascend.
         """
         if tick <= self._stepped:
             raise ValueError(f"ticks must ascend, got {tick} after {self._stepped}")
         self._stepped = tick
+        if self._since not in (None, since):
+            self._peers.clear()
+        self._since = since
         self._poses.add(tick, pose)
         in_range = self._peers_in_range(tick)
-        longest_age = self._memory // STALE
+        longest_age = max(1, self._memory // STALE)
         taken = [self._peers[peer].take(tick, longest_age) for peer in in_range]
         reception = np.array([LOST if heard is None else DECODED for heard in taken], dtype=np.uint8)
         self._taken = [heard for heard in taken if heard is not None]

@@ -1,14 +1,14 @@
 """Verdicts on a peer's beacons, decoded or lost: one per own tick, from sequence numbers. Pure.
 
-A beacon tells the fate of all beacons before it: those that its sequence number skips were lost. Verdicts wait in a
-queue, in the order of sending, and each own tick takes the oldest. So neither jitter nor a pause of a process or of
-the network looks like loss, and two clocks that drift apart need no alignment.
+A beacon shows which beacons before it were lost: those whose sequence numbers it skips. Verdicts wait in a queue, in
+the order of sending, and each own tick takes the oldest. So jitter and pauses of a process or of the network do not
+count as loss, and two clocks that drift apart need no alignment.
 
 - The queue is empty: nothing is known yet. The tick *conceals* it, as telephones conceal lost packets: it repeats a
   verdict of the last HISTORY ones, each in turn. This leaves the share of losses as it is. The verdicts that come
   later make the queue longer, so the next pause of this length needs no concealment.
-- The queue was never empty within a WINDOW: the tick drops its oldest verdicts, as many as were never needed. Their
-  fate has no influence on the choice, so this too leaves the share as it is.
+- The queue was never empty within a WINDOW: the tick drops its oldest verdicts, as many as were never needed. The
+  choice does not depend on the verdicts, so this too leaves the share as it is.
 
 A strong link has a verdict or two in its queue, and a weak link as many as its longest run of losses. A verdict is
 late by that time, whether the beacon decoded or not.
@@ -31,7 +31,7 @@ WINDOW = 500
 """Ticks after which the unused part of the queue is dropped."""
 
 SPARE = 1
-"""Verdicts that may wait without ever being needed: a tick of patience."""
+"""Verdicts that are kept in reserve, even if a window has not needed them."""
 
 
 class Verdicts:

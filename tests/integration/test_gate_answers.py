@@ -5,9 +5,11 @@ import threading
 
 import pytest
 
+from fes.errors import Overloaded
 from fes.protocol.robot_control import RUNNING, STOPPED
 from fes.transport.bus import Query
-from field.gate.operator import MOST_ANSWERS, Answers
+from field.gate import operator
+from field.gate.operator import MOST_ANSWERS, MOST_WITH_STOPS, Answers
 from tests.support.gate_stage import driving, gate, stage, until
 from tests.support.processes import PATIENCE
 
@@ -33,14 +35,15 @@ def test_there_is_no_room_while_many_answers_wait_and_a_put_never_waits() -> Non
         room.wait(PATIENCE)
 
     answers.put(wait)
-    assert answers.is_free
+    assert answers.has_room()
     for _ in range(MOST_ANSWERS + 1):
         answers.put(lambda: None)
-    assert not answers.is_free
+    assert not answers.has_room()
+    assert answers.has_room(MOST_WITH_STOPS)
     answers.put(done.set)
     room.set()
     assert done.wait(PATIENCE)
-    assert answers.is_free
+    assert answers.has_room()
 
 
 def test_an_answer_that_waits_for_the_network_holds_up_neither_the_loop_nor_a_stop(
@@ -77,5 +80,37 @@ def test_an_answer_that_waits_for_the_network_holds_up_neither_the_loop_nor_a_st
 
     try:
         asyncio.run(bounded())
+    finally:
+        room.set()
+
+
+def test_unread_answers_to_other_queries_do_not_keep_a_robot_from_its_stop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    room = threading.Event()
+    at_once = Query.reply
+
+    def waiting(query: Query, payload: bytes, schema: str) -> None:
+        assert room.wait(PATIENCE)
+        at_once(query, payload, schema)
+
+    async def main() -> None:
+        monkeypatch.setattr(operator, "MOST_ANSWERS", 1)
+        async with asyncio.timeout(PATIENCE), stage() as on, gate(on.settings) as link, driving(link, 0.1):
+            while not await on.operator.has_started():
+                await asyncio.sleep(0.01)
+            await on.speed(lambda linear: linear >= 0.1)
+            monkeypatch.setattr(Query, "reply", waiting)
+            asked = [asyncio.ensure_future(on.operator.status()) for _ in range(4)]
+            await until(lambda: any(query.done() for query in asked))
+            stopped = asyncio.ensure_future(on.operator.stop())
+            await on.speed(lambda linear: linear == 0.0)
+            room.set()
+            assert (await stopped).mode == STOPPED
+            answers = await asyncio.gather(*asked, return_exceptions=True)
+            assert any(isinstance(answer, Overloaded) for answer in answers)
+
+    try:
+        asyncio.run(main())
     finally:
         room.set()

@@ -1,6 +1,7 @@
 """A table with robots on real sessions and sockets of this machine: its drivers, and the relay of its radio."""
 
 import asyncio
+import itertools
 import math
 import socket
 import time
@@ -98,8 +99,8 @@ def test_ten_drivers_of_rmw_zenoh_show_in_the_graph_and_bridges_leave_theirs_to_
     run(main)
 
 
-@pytest.mark.parametrize(("style", "ignored"), [("ros2dds", 5), ("rmw_zenoh", 0)])
-def test_a_command_of_another_type_moves_no_body(style: str, ignored: int) -> None:
+@pytest.mark.parametrize("style", ["ros2dds", "rmw_zenoh"])
+def test_a_command_of_another_type_moves_no_body(style: str) -> None:
     async def main() -> None:
         async with table(style=style) as (running, outside):
             drivers, gate = running.drivers, Gate(outside, running.config, 0)
@@ -107,10 +108,22 @@ def test_a_command_of_another_type_moves_no_body(style: str, ignored: int) -> No
             other = Topic(running.config.style, "/robot0/cmd_vel", "TwistStamped")
             put = foreign.declare_publisher(outside, topics.publish_key(other))
             await command(running, gate, 0.0, 0.0)
-            for number in range(1, 6):
-                put(messages.write_twist("TwistStamped", 0.2, 0.0), topics.attachment(other, number, 0, bytes(16)))
-            await command(running, gate, 0.0, 0.1)  # on the same session, so it arrives after them
-            assert drivers.ignored == ignored  # another type has another key in the style rmw_zenoh
+
+            def send() -> int:
+                put(
+                    messages.write_twist("TwistStamped", 0.2, 0.0),
+                    topics.attachment(other, next(numbers), 0, bytes(16)),
+                )
+                return drivers.ignored
+
+            numbers = itertools.count(1)
+            if style == "ros2dds":
+                await until(lambda: send() >= 5)  # a busy network may drop some
+            else:
+                for _ in range(5):
+                    send()
+            await command(running, gate, 0.0, 0.1)
+            assert style == "ros2dds" or drivers.ignored == 0  # another type has another key in the style rmw_zenoh
             await until(lambda: gate.poses and gate.poses[-1].heading > gate.poses[0].heading)
             assert (gate.poses[-1].x, gate.poses[-1].y) == (0.0, 0.0)
 

@@ -107,3 +107,22 @@ def test_a_port_that_is_taken_is_refused_in_one_line() -> None:
                     pass
 
     asyncio.run(main())
+
+
+def test_a_page_whose_update_is_interrupted_by_the_end_logs_no_error(caplog: pytest.LogCaptureFixture) -> None:
+    async def main() -> None:
+        is_updating = asyncio.Event()
+
+        async def update() -> None:
+            is_updating.set()
+            await asyncio.sleep(PATIENCE)
+
+        def make(doc: Document) -> None:
+            doc.add_periodic_callback(update, 10)
+
+        async with server.opened(0, make) as address:
+            await asyncio.to_thread(token, address)
+            await is_updating.wait()
+
+    asyncio.run(asyncio.wait_for(main(), PATIENCE))
+    assert caplog.text == ""

@@ -107,7 +107,17 @@ def test_a_broken_ffmpeg_leaves_one_line_and_no_file(folder: Path, tmp_path: Pat
     program.chmod(0o755)
     line = complaint(animate(folder, "broken.mp4", PATH=f"{tmp_path}{os.pathsep}{os.environ['PATH']}"), "fes")
     assert line == "ffmpeg cannot write broken.mp4: no encoder here"
-    assert not (folder / "broken.mp4").exists()
+    assert not list(folder.glob("*broken.mp4"))
+
+
+@needs_pillow
+def test_an_animation_that_cannot_be_drawn_leaves_the_earlier_file(folder: Path, tmp_path: Path) -> None:
+    program, earlier = tmp_path / "ffmpeg", folder / "earlier.mp4"
+    program.write_text("#!/bin/sh\ncat > /dev/null\nexit 1\n", encoding="utf-8")
+    program.chmod(0o755)
+    earlier.write_text("an hour of work", encoding="utf-8")
+    complaint(animate(folder, earlier.name, PATH=f"{tmp_path}{os.pathsep}{os.environ['PATH']}"), "fes")
+    assert [path.read_text(encoding="utf-8") for path in folder.glob("*earlier.mp4")] == ["an hour of work"]
 
 
 @needs_pillow

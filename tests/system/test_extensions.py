@@ -140,11 +140,15 @@ def test_a_recorded_run_is_executed_again_only_with_the_same_source(
     text = source.read_text()
     try:
         source.write_text(text + "# changed\n")
-        line = complaint(environment.call(tmp_path, "fes", "replay", "run", "--robot", "1"), "fes")
+        lines = [
+            complaint(environment.call(tmp_path, "fes", "replay", "run", *words), "fes")
+            for words in (["--robot", "1"], ["--web"])
+        ]
     finally:
         source.write_text(text)
     first = {"laws": "neighbor rule 'outside_rule'", "controller": "neighbor rule 'outside_rule'"}[name]
-    assert line.startswith(f"run/run.mcap: the source of {first} has changed: SHA-256 ")
+    for line in lines:
+        assert line.startswith(f"run/run.mcap: the source of {first} has changed: SHA-256 ")
     assert environment.call(tmp_path, "fes", "replay", "run", "--robot", "1").returncode == 0
 
 

@@ -63,7 +63,7 @@ def test_robots_move_curves_grow_and_a_control_changes_the_channel(tmp_path: Pat
         before, bins = window.column("robots", "x"), len(window.column("curves", "time"))
         until(lambda: window.column("robots", "x") != before)
         until(lambda: len(window.column("curves", "time")) > bins and window.column("counted", "learnt"))
-        until(lambda: len(window.column("trails", "x")) > 30)
+        until(lambda: len(window.column("paths", "x")) > 30)
         assert "index <b>measured</b>" in window.text("header")
         assert "seed <b>1</b>" in window.text("header")
         assert "r* <b>68.11 m</b>" in window.text("header")

@@ -49,3 +49,4 @@ def test_a_page_of_a_log_takes_no_other_order(log: Path) -> None:
     for words in (["--headless"], ["--all"], ["--robot", "0"]):
         line = complaint(call(log, "fes", "replay", ".", "--web", *words), "fes")
         assert line.startswith("--web shows a run: give it without --robot")
+    assert complaint(call(log, "fes", "replay", ".", "--port", "0"), "fes") == "--port is that of --web"

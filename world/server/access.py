@@ -19,7 +19,7 @@ A team of real robots has no world. The rules of its router, `fes team router` o
 | observer    | nothing              | reports     | status            | nothing             |
 | operator    | permits              | reports     | status, start, stop | nothing           |
 
-A gate asks for its own token, because a robot has one gate: a second one, by mistake, must not start.
+A gate queries its own token, because a robot has one gate: a second one, started by mistake, must end.
 """
 
 from collections.abc import Iterable, Sequence

@@ -9,6 +9,7 @@ from rich.style import Style
 
 from console.dashboard.canvas import DOTS_X, DOTS_Y, Canvas, Line
 from console.measures.links import FAIR_OUTAGE, POOR_OUTAGE, known_ends, loss, outage_class
+from console.measures.team import FARTHEST, on_map
 from fes.arrays.geometry import HEADING
 from fes.arrays.types import Bools, Floats, Ints
 from fes.protocol.report import Report
@@ -28,7 +29,6 @@ _ARROWS = np.array([ord(arrow) for arrow in "→↗↑↖←↙↓↘"], dtype=n
 _CROSS, _BODY = ord("×"), ord("•")
 _MARGIN = 6  # dots on each side of the team: room for a marker and its id
 _LEAST_SPAN = 1.0  # m; a smaller team is not magnified further
-_MOST = 1e9  # m; robots beyond are not drawn
 _ZOOMS = 20  # scales per decade: the map zooms in steps
 _PATH_DASH = np.array([[1, 2]])
 
@@ -97,12 +97,6 @@ def _zoomed(needed: float) -> float:
     return float(10.0 ** (math.ceil(_ZOOMS * math.log10(needed) - 1e-9) / _ZOOMS))
 
 
-def on_map(report: Report) -> Bools:
-    """True for each robot [n] whose position is known, and not absurd."""
-    inside: Bools = np.all(np.abs(report.poses[:, :2]) < _MOST, axis=1)  # false for NaN
-    return inside
-
-
 def team_map(report: Report, width: int, height: int, paths: Floats | None = None) -> list[Line]:
     """The map in `width` x `height` cells, with a scale bar in the last line; `paths` are places [t, n, 2] [m]."""
     if width < 1 or height < 2:
@@ -115,7 +109,7 @@ def team_map(report: Report, width: int, height: int, paths: Floats | None = Non
     _robots(canvas, report, dots, np.flatnonzero(shown))
     if paths is not None and paths.shape[1:] == positions.shape and not _is_crowded(canvas, len(positions)):
         places = np.concatenate([paths, positions[None]])
-        _paths(canvas, seen.dots(np.where(np.abs(places) < _MOST, places, np.nan)))
+        _paths(canvas, seen.dots(np.where(np.abs(places) < FARTHEST, places, np.nan)))
     return [*canvas.render(), _scale_bar(seen.scale * DOTS_X, width)]
 
 

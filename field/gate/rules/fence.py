@@ -5,7 +5,7 @@ loop, and brakes at the limits a and α of its accelerations. It travels at most
 ω²/2α + ω L. The border must be farther away, in each direction that the robot can take meanwhile. Between two poses
 the gate moves the last one by the twists that it has sent.
 
-Errors of the pose are not included, and neither are a body that lags nor one that is faster than commanded.
+Errors of the pose are not included, nor is a body that lags or moves faster than commanded.
 """
 
 import math
@@ -22,7 +22,7 @@ HEADING = 0.05
 
 
 def is_inside(fence: Sequence[Corner], x: float, y: float) -> bool:
-    """True if a point lies in a polygon, or there is no polygon; either may hold on its border.
+    """True if a point lies in a polygon, or there is no polygon; on its border the result is either.
 
     A ray from the point to the right crosses the border of its polygon an odd number of times. The polygon may be
     concave, and its corners may run either way.

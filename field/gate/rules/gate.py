@@ -9,7 +9,7 @@ person starts the robot again.
 | the operator's permit has lapsed                                    | stopped |
 | the pose is outside the fence, or within its braking distance       | stopped |
 | a pose of a wrong frame, or a payload of a wrong type               | stopped |
-| the pose jumps further than the body can move                       | stopped |
+| the pose jumps farther than the body can move                       | stopped |
 | another program commands the body                                   | stopped |
 | the pose does not move as commanded (`motion`)                      | stopped |
 | the agent has ended, or the gate itself is told to end              | stopped |
@@ -18,9 +18,9 @@ person starts the robot again.
 | no beacon of a peer for a set time                                  | held    |
 | no fresh command: the agent hangs, or its last one is too old       | held    |
 
-Three rules keep stale commands away from the wheels. A command counts only if it is newer than the last one, and
-young. It must be computed after the last moment at which a cause other than its own absence held or stopped the
-robot. And the last good one counts only until its timeout.
+Three rules keep stale commands away from the wheels. A command counts only if it is newer than the last one, and not
+older than `timing.age`. It must be computed after the last moment at which a cause other than a missing command held
+or stopped the robot. The last good command counts only until its timeout.
 
 Under any cause the robot slows down with its largest acceleration a. So after any event it travels at most
 v²/2a + v (timeout + 2 period). Everything here is in the body's units, except poses: they are in the team frame.
@@ -39,10 +39,10 @@ from field.gate.rules.state import ZERO, Gate, Order
 NANO = 1_000_000_000
 
 RIVAL = 1.0
-"""Time after the last command of another program from which on the robot can start [s]."""
+"""Time after the last command of another program before which the robot cannot start [s]."""
 
 START_AGE = 1.0
-"""Largest age of a start [s]: a person no longer expects the motion of one that the network held up."""
+"""Largest age of a start [s]: after a longer delay, a person no longer expects the robot to move."""
 
 
 def commanded(gate: Gate, settings: Settings, now: float, order: Order) -> Gate:

@@ -1,4 +1,4 @@
-"""The operator's permission to move: Permits of one operator at a time, each counted once, and only if it is young.
+"""The operator's permission to move: Permits of one operator at a time, each counted once, and only if not delayed.
 
 The clocks of gate and operator differ by an unknown offset. So the age of a Permit is its delay beyond that of the
 fastest Permit of its operator.
@@ -10,10 +10,10 @@ from typing import NamedTuple
 from fes.protocol.robot_control import Permit
 
 MAX_OPERATORS = 256
-"""Operators whose Permits are told apart; a further one takes the place of the one that was heard least recently."""
+"""Operators whose Permits are distinguished; a further one replaces the one that was heard least recently."""
 
 DRIFT = 1e-3
-"""Largest drift of two clocks that is not taken for a growing delay [1]."""
+"""Largest drift of two clocks that does not count as a growing delay [1]."""
 
 PAUSE = 3.0
 """Time without a Permit after which delays are compared anew [s]. A silent link is closed before, so that none of its

@@ -88,11 +88,11 @@ def is_connected(robots: set[int], pairs: list[tuple[int, int]]) -> bool:
         reached |= further
 
 
-def test_a_trail_ends_at_the_robot_and_begins_a_fixed_time_before(death: History) -> None:
-    late, early = frames.trails(death, 299), frames.trails(death, 5)
-    assert late.shape == early.shape == (10, frames.TRAIL_POINTS, 2)
+def test_a_path_ends_at_the_robot_and_begins_a_fixed_time_before(death: History) -> None:
+    late, early = frames.paths(death, 299), frames.paths(death, 5)
+    assert late.shape == early.shape == (10, frames.PATH_POINTS, 2)
     assert np.array_equal(late[:, -1], death.poses[299, :, :2])
-    assert np.array_equal(late[:, 0], death.poses[round(299 * (1.0 - frames.TRAIL)), :, :2])
+    assert np.array_equal(late[:, 0], death.poses[round(299 * (1.0 - frames.PATH_SHARE)), :, :2])
     assert np.array_equal(early[:, 0], death.poses[0, :, :2])
 
 

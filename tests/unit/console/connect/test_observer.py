@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
+from functools import partial
 from typing import Any
 
 import msgpack
@@ -31,11 +32,21 @@ def of_another_version(tick: int) -> bytes:
 class World:
     """Stands for the bus, and says and does what a world might."""
 
-    def declare_subscriber(self, key: str, heard: Callable[[str, bytes | None], None]) -> None:
-        self._report, self._heard = key, heard
+    def __init__(self) -> None:
+        self.declared: list[str] = []
+        """Keys of the subscriptions that have not ended."""
 
-    def declare_liveliness_subscriber(self, key: str, seen: Callable[[str, bool], None]) -> None:
+    def declare_subscriber(self, key: str, heard: Callable[[str, bytes | None], None]) -> Callable[[], None]:
+        self._report, self._heard = key, heard
+        return self._declare(key)
+
+    def declare_liveliness_subscriber(self, key: str, seen: Callable[[str, bool], None]) -> Callable[[], None]:
         self._alive, self._seen = key, seen
+        return self._declare(key)
+
+    def _declare(self, key: str) -> Callable[[], None]:
+        self.declared.append(key)
+        return partial(self.declared.remove, key)
 
     async def act(self, *acts: tuple[float, bool | bytes]) -> None:
         """At each time [s] a token that comes or goes, or a payload."""
@@ -63,6 +74,7 @@ def seen(timeout: float, *acts: tuple[float, bool | bytes], busy: float = 0.0) -
             return ticks, error, loop.time()
         finally:
             await acting
+            assert world.declared == []  # an observer that has ended leaves no subscription
         return ticks, None, loop.time()
 
     result: tuple[list[int], Any, float] = jumps.run(story())

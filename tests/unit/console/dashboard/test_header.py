@@ -2,7 +2,7 @@
 
 import pytest
 
-from console.dashboard import source
+from console.connect import index_source
 from tests.support import loop
 from tests.support.frames import SIZES, a_history, a_report, frame, measured
 
@@ -14,7 +14,7 @@ PAIR = [(0.0, 0.0), (60.0, 0.0)]
     [("paper.toml", "oracle"), ("measured.toml", "measured"), ("swap.toml", "own law"), ("team.toml", "measured")],
 )
 def test_the_source_is_that_of_the_scenario(name: str, expected: str) -> None:
-    assert source.of(loop.load(name)) == expected
+    assert index_source.of(loop.load(name)) == expected
 
 
 @pytest.mark.parametrize(("width", "height"), SIZES)

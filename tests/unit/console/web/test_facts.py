@@ -22,7 +22,7 @@ def test_the_header_has_tick_time_seed_run_and_index() -> None:
 
 
 def test_without_a_scenario_the_index_is_told_by_the_reports() -> None:
-    assert "index <b>oracle</b>" in facts.header(PAIR, RunFacts("main"), RUNNING)
+    assert "index <b>–</b>" in facts.header(PAIR, RunFacts("main"), RUNNING)
     assert "index <b>measured</b>" in facts.header(measured(PAIR, -2.0, 3.0), RunFacts("main"), RUNNING)
     assert "seed <b>–</b>" in facts.header(PAIR, RunFacts("main"), RUNNING)
 

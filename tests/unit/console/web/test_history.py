@@ -1,4 +1,4 @@
-"""The history of a run for a page: bins, trails, and a world that resumes at an earlier tick."""
+"""The history of a run for a page: bins, paths, and a world that resumes at an earlier tick."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from console.web.history import BINS, MOST_CHANGES, TRAIL, TRAIL_POINTS, History
+from console.web.history import BINS, MOST_CHANGES, PATH_LENGTH, PATH_POINTS, History
 from fes.protocol.report import Report
 from tests.support.frames import a_report
 
@@ -60,7 +60,7 @@ def test_a_world_that_resumes_replaces_the_ticks_after_it() -> None:
     curves = history.curves()
     assert curves["time"] == pytest.approx(0.02 * np.arange(60))
     assert curves["first"].tolist() == [2.5] * 40 + [7.0] * 20
-    assert len(history.trails(59)["x"]) == 2 * (60 + 1)
+    assert len(history.paths(59)["x"]) == 2 * (60 + 1)
 
 
 def test_another_run_begins_a_new_history() -> None:
@@ -68,28 +68,37 @@ def test_another_run_begins_a_new_history() -> None:
     history.add(at(500, scenario="other"))
     assert history.curves()["time"].tolist() == [10.0]
     history.add(replace(a_report([(0.0, 0.0)]), scenario="other", tick=600))
-    assert len(history.trails(600)["x"]) == 2
+    assert len(history.paths(600)["x"]) == 2
 
 
-def test_trails_end_at_the_tick_that_is_shown_and_have_gaps_between_robots() -> None:
-    trails = filled(range(20)).trails(9)
-    assert trails["x"][:10].tolist() == list(range(10))
-    assert math.isnan(trails["x"][10])
-    assert trails["y"][11:21].tolist() == [60.0] * 10
-    assert math.isnan(trails["y"][21])
-    assert len(trails["x"]) == 22
+def test_paths_end_at_the_tick_that_is_shown_and_have_gaps_between_robots() -> None:
+    paths = filled(range(20)).paths(9)
+    assert paths["x"][:10].tolist() == list(range(10))
+    assert math.isnan(paths["x"][10])
+    assert paths["y"][11:21].tolist() == [60.0] * 10
+    assert math.isnan(paths["y"][21])
+    assert len(paths["x"]) == 22
+
+
+def test_a_trail_has_no_absurd_place_which_would_shrink_the_map() -> None:
+    history = filled(range(3))
+    history.add(replace(a_report([(1e12, 0.0), (0.0, 60.0)]), tick=3))
+    paths = history.paths(3)
+    assert np.nanmax(np.abs(paths["x"])) == 2.0
+    assert np.isnan(paths["y"][[3, 4]]).all()
+    assert paths["y"][5:9].tolist() == [60.0] * 4
 
 
 @pytest.mark.parametrize("robots", [2, 500])
-def test_trails_of_a_long_run_have_a_bounded_number_of_points_over_all_of_it(robots: int) -> None:
+def test_paths_of_a_long_run_have_a_bounded_number_of_points_over_all_of_it(robots: int) -> None:
     history = History()
     for tick in range(5000):
         history.add(replace(a_report([(float(tick), 0.0)] * robots), tick=tick))
-    trail = history.trails(5000)["x"]
-    each = len(trail) // robots
-    assert robots * (each - 1) <= max(TRAIL * robots if robots == 2 else 0, TRAIL_POINTS)
-    assert trail[0] == 0.0
-    assert trail[each - 2] > 4000.0
+    path = history.paths(5000)["x"]
+    each = len(path) // robots
+    assert robots * (each - 1) <= max(PATH_LENGTH * robots if robots == 2 else 0, PATH_POINTS)
+    assert path[0] == 0.0
+    assert path[each - 2] > 4000.0
 
 
 def test_changes_of_the_channel_are_marked_once_each() -> None:

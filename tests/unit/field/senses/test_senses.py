@@ -90,6 +90,31 @@ def test_a_restarted_peer_begins_anew_at_once() -> None:
     assert senses.counts[PEER].starts == 2
 
 
+def test_a_robot_that_starts_anew_counts_no_beacon_that_was_sent_while_it_did_not_listen() -> None:
+    senses = Senses(ROBOT, MEMORY)
+    for tick in range(1, 6):
+        hear(senses, tick, at=tick - 0.5)
+        senses.step(tick, (1.0, 2.0, 3.0), tick, 1)
+    observed = []
+    for tick in range(16, 30):  # stopped for ten ticks, less than the memory
+        observation, _ = senses.step(tick, (1.0, 2.0, 3.0), tick, 16)
+        observed.append(observation.reception.tolist())
+        hear(senses, tick, at=tick + 0.5)
+    assert observed == [[], [], *[[DECODED]] * 12]
+    counts = senses.counts[PEER]
+    assert (counts.missed, counts.starts) == (0, 2)
+
+
+def test_a_beacon_of_the_last_tick_is_fresh_however_short_the_memory() -> None:
+    senses = Senses(ROBOT, 2)
+    observed = []
+    for tick in range(1, 8):
+        hear(senses, tick, at=tick - 0.5)
+        observed.append(step(senses, tick)[0].reception.tolist())
+    assert observed == [[], *[[DECODED]] * 6]
+    assert senses.counts[PEER].stale == 0
+
+
 def test_peers_and_beacons_ascend_and_the_observation_is_a_valid_message() -> None:
     senses = Senses(ROBOT, MEMORY)
     for peer in (7, 2, 5):

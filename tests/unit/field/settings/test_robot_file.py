@@ -42,7 +42,8 @@ def test_the_example_is_valid_and_names_no_field_twice() -> None:
 def test_the_example_of_the_table_fits_the_scenario_and_the_defaults_of_fes_tabletop() -> None:
     file = robot_file.load(EXAMPLE.with_name("table.toml"), 0)
     scenario = load(builtin.resolve(Path("tabletop")))
-    assert scenario.tabletop is not None and file.formation.linear_limit is not None
+    assert scenario.tabletop is not None
+    assert file.formation.linear_limit is not None
     assert isinstance(file.seeking, MeasuredConfig)
     assert isinstance(scenario.seeking, MeasuredConfig)
     assert file.seeking.initial_estimate == scenario.seeking.initial_estimate
