@@ -74,7 +74,7 @@ class Page:
         for root in (*panels, self._table.table, *([controls.row] if controls else [])):
             document.add_root(root)
         document.title = f"fes {printable(about.run)}"
-        document.template = resources.files("console.web").joinpath("page.html").read_text("utf-8")
+        document.template = resources.files("console.web").joinpath("page.html").read_text(encoding="utf-8")
         document.template_variables["has_controls"] = controls is not None
         self._shown: tuple[int, int] | None = None
         self._drawn_at, self._updated_at = 0.0, time.monotonic()

@@ -3,7 +3,6 @@
 import contextlib
 import errno
 import logging
-import os
 import socket
 from collections.abc import AsyncIterator, Callable
 
@@ -17,7 +16,7 @@ from tornado.httputil import HTTPHeaders
 from tornado.ioloop import IOLoop
 from tornado.web import OutputTransform, RequestHandler
 
-from fes.errors import FesError
+from fes.errors import FesError, reason
 
 HOST = "127.0.0.1"
 
@@ -58,11 +57,15 @@ async def opened(port: int, make_page: MakePage) -> AsyncIterator[str]:
 
     Only a page of this server can open its WebSocket: another origin, such as a page of the web, is rejected.
     """
+    listener = socket.socket()
     try:
-        listener = socket.create_server((HOST, port), backlog=BACKLOG)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((HOST, port))
+        listener.listen(BACKLOG)
     except OSError as error:
+        listener.close()
         advice = "; --port 0 takes a free one" if error.errno == errno.EADDRINUSE else ""
-        raise FesError(f"--port {port}: {os.strerror(error.errno or 0)}{advice}") from None
+        raise FesError(f"--port {port}: {reason(error)}{advice}") from None
     listener.setblocking(False)
     bound = listener.getsockname()[1]
     application = _Quiet(
@@ -81,7 +84,8 @@ async def opened(port: int, make_page: MakePage) -> AsyncIterator[str]:
     try:
         yield f"http://{HOST}:{bound}/"
     finally:
-        logging.getLogger("bokeh").setLevel(logging.CRITICAL)  # no error of an update that the end interrupts
+        for name in ("bokeh", "tornado.application"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # no error of an update that the end interrupts
         http.stop()
         await http.close_all_connections()
         server.stop()
