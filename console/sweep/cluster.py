@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from console.sweep import work
 from console.sweep.work import Batch, Done, Workers
-from console.terminal.counting import Watch
+from console.terminal.counting import Watch, ignore
 from fes.errors import FesError
 from fes.protocol.world_info import version
 from fes.system import fingerprint
@@ -115,7 +115,10 @@ def _reported(key: str) -> Watch:
     """On a worker: report the completed ticks of a batch to the scheduler, every REPORTING [s]."""
     from distributed import get_worker
 
-    worker, reported = get_worker(), -math.inf
+    try:
+        worker, reported = get_worker(), -math.inf
+    except ValueError:  # a scheduler of threads has no worker
+        return ignore
 
     def report(done: int) -> None:
         nonlocal reported
