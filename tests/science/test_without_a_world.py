@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tests.support import loop
-from tests.support.unsynchronized import SETTLED, Team
+from tests.support.unsynchronized import OPTIMUM, SETTLED, Team
 
-DURATION, SEED = 30.0, 1
+DURATION, SEED, SEEDS = 30.0, 1, (1, 2, 3)
 """From SETTLED on this is one period of the dither."""
 
 UNFINISHED = 6
@@ -20,10 +20,20 @@ def team() -> Team:
     return team
 
 
-def test_the_estimates_have_no_more_bias_than_those_of_the_lockstep_world(team: Team) -> None:
-    """Seeds of the lockstep world differ by 0.43 m. Counting by the last step's window instead adds 1 m and more:
-    jitter leaves 9 % of windows empty, which looks like loss."""
-    assert abs(team.bias(SETTLED)) <= 0.5
+def test_the_estimates_have_the_bias_of_the_lockstep_world(team: Team) -> None:
+    """Seeds of the lockstep world differ by 0.43 m, so this is a mean over SEEDS. Counting by the last step's window
+    instead adds 1 m and more: jitter leaves 9 % of windows empty, which looks like loss."""
+    differences = []
+    for seed in SEEDS:
+        world = loop.load("measured.toml", run__seed=seed)
+        own = team if seed == SEED else Team(world, seed)
+        if own is not team:
+            own.run(DURATION)
+        later = loop.run(world, round(DURATION / world.run.dt)).estimates[round(SETTLED / world.run.dt) :]
+        bias = np.mean([np.mean(list(estimates.values())) for estimates in later]) - OPTIMUM
+        assert abs(own.bias(SETTLED)) <= 0.5
+        differences.append(own.bias(SETTLED) - bias)
+    assert abs(np.mean(differences)) <= 0.43
 
 
 def test_every_beacon_that_the_channel_lets_pass_counts_once(team: Team) -> None:
@@ -50,3 +60,4 @@ def test_clocks_of_their_own_change_the_measured_separations_by_centimeters(team
     assert np.percentile(errors, 99) <= 0.1
     assert abs(np.mean(team.by_tick)) <= 0.002
     assert np.std(team.by_tick) <= 0.02
+    assert np.std(team.by_reception) < np.std(team.by_tick)
