@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from console.replay import command as replay_command
+from console.replay import log
 from console.sweep import design, local, work
 from console.sweep.work import Batch
 from fes.system import strict_json
@@ -77,6 +79,12 @@ def test_the_progress_bar_of_a_replay_moves_in_ticks(words: list[str], recorded:
     assert "\x1b" not in result
     if "--json" in words:
         assert strict_json.loads(result)["ticks"] == 400
+
+
+def test_a_replay_of_a_robot_counts_each_tick(recorded: Path) -> None:
+    counted: list[int] = []
+    replay_command.rerun_robot(log.load(recorded), 1, counted.append)
+    assert counted == list(range(1, 401))
 
 
 def test_an_interrupted_bar_leaves_a_line_without_a_bar_and_a_cursor(tmp_path: Path) -> None:
