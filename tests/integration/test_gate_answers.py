@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from fes.errors import Overloaded
-from fes.protocol.robot_control import RUNNING, STOPPED
+from fes.protocol.robot_control import RUNNING, STOPPED, GateStatus
 from fes.transport.bus import Query
 from field.gate import operator
 from field.gate.operator import MOST_ANSWERS, MOST_WITH_STOPS, Answers
@@ -101,8 +101,10 @@ def test_unread_answers_to_other_queries_do_not_keep_a_robot_from_its_stop(
                 await asyncio.sleep(0.01)
             await on.speed(lambda linear: linear >= 0.1)
             monkeypatch.setattr(Query, "reply", waiting)
-            asked = [asyncio.ensure_future(on.operator.status()) for _ in range(4)]
-            await until(lambda: any(query.done() for query in asked))
+            asked: list[asyncio.Future[GateStatus]] = []
+            while not any(query.done() for query in asked):  # queries that arrive together all find room
+                asked.append(asyncio.ensure_future(on.operator.status()))
+                await asyncio.sleep(0.05)
             stopped = asyncio.ensure_future(on.operator.stop())
             await on.speed(lambda linear: linear == 0.0)
             room.set()

@@ -101,6 +101,8 @@ async def _run(where: Path, keyed: Path, attack: Attack, beside: Beside | None) 
                     disturbance = asyncio.ensure_future(beside(second))
                     await server.main_loop()
                     await disturbance
+            if HOSTILE in run.excluded:
+                await asyncio.wait([agents[HOSTILE]])  # it asks why it hears nothing, and is told
             server.dismiss()
             summary = server.summarize()
             assert summary is not None

@@ -66,7 +66,7 @@ def natural_height(extent: Floats, width: int) -> int:
     """Lines of a map `width` cells wide, with its scale bar, that a team of this `extent` [2] [m] fills.
 
     >>> natural_height(np.array([200.0, 100.0]), 60), natural_height(np.array([200.0, 0.0]), 60)
-    (19, 6)
+    (18, 6)
     """
     return 1 + _natural(extent[::-1], width * DOTS_X, DOTS_X, DOTS_Y)
 
