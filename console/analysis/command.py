@@ -63,6 +63,8 @@ def plot(
         drawings = _of_ends()
     else:
         source = Path(target)
+        if not source.exists():
+            raise FesError(f"no run directory or log {target}; figures without one: {PAPER}, {MEASURED}, {TEAM}")
         directory, drawings = out or (source.parent if source.is_file() else source), _of_run(source)
     for path in _drawn(drawings, directory):
         printing.line(path)

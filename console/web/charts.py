@@ -12,7 +12,7 @@ from console.web.columns import BLUE, FADED, INK, ORANGE, RED
 from console.web.history import SERIES, History
 from fes.protocol.report import Report
 
-HEIGHT = 180
+HEIGHT = 230
 """Height of a chart [pixels]."""
 
 _STYLES = ((BLUE, "solid"), (ORANGE, "dashed"), (RED, "dotdash"))
