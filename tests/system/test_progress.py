@@ -62,7 +62,7 @@ def test_the_progress_bar_of_a_sweep_moves_within_one_batch(jobs: str, tmp_path:
     assert shown.end() == 0, shown.text
     within = {int(part) for part in re.findall(r"(\d+)%[^%]*?0/4 runs", shown.text)}
     assert within & set(range(1, 100))
-    assert re.search(r"\d ticks/s", shown.text)
+    assert re.search(r"\dk? ticks/s", shown.text)
     assert re.search(r"\d:\d\d:\d\d.* left", shown.text)
     assert is_restored(shown.text)
 
