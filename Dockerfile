@@ -9,6 +9,7 @@ COPY pyproject.toml build_core.py hatch_build.py README.md LICENSE fes_robots.py
 COPY fes fes
 COPY agents agents
 COPY world world
+COPY field field
 COPY console console
 COPY configs configs
 RUN FES_CORE=c pip wheel --no-deps -w /wheels .

@@ -4,6 +4,7 @@ import re
 import shutil
 import signal
 import subprocess
+import tomllib
 from pathlib import Path
 
 from console.backends import inprocess
@@ -57,6 +58,16 @@ def test_compose_has_an_agent_for_each_robot_of_its_scenario_and_each_role_its_o
     made = re.search(r"seq -f robot-%g 0 (\d+)", (ROOT / "Dockerfile").read_text(encoding="utf-8"))
     assert made is not None
     assert int(made[1]) == robots - 1
+
+
+def test_the_image_is_built_from_all_packages_of_the_wheel() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    packages = set(project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"])
+    image, context = ((ROOT / name).read_text(encoding="utf-8") for name in ("Dockerfile", ".dockerignore"))
+    copied = {word for line in re.findall(r"^COPY (?!--)(.+) \S+$", image, re.MULTILINE) for word in line.split()}
+    assert packages
+    assert packages <= copied
+    assert copied == set(re.findall(r"^!(\S+)$", context, re.MULTILINE))
 
 
 def test_keys_whose_creation_was_interrupted_are_created_again_once(tmp_path: Path) -> None:
