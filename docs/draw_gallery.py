@@ -23,8 +23,9 @@ TITLE = """# Gallery
 
 The end of each built-in scenario, with the command that runs it. `fes plot runs/latest --animate run.gif` draws
 [the whole run](how-to/replay-and-compare.md#draw-an-animation) afterwards. On the left are the robots, with arrows
-for their headings, and the links; color and dashes show their outage. On the right are the largest errors of separations and
-estimates over time. Dotted lines mark events: changes of the channel, faults, and robots that leave or join.
+for their headings, and the links; color and dashes show their outage. On the right are the largest errors of
+separations and estimates over time. Dotted lines mark events: changes of the channel, faults, and robots that leave
+or join.
 """
 
 SECTIONS = {"Teams": lambda name: "/" not in name, "Faults": lambda name: name.startswith("faults/")}

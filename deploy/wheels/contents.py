@@ -31,6 +31,7 @@ def _of_source(path: Path) -> Iterator[str]:
     for file in sorted({*map(str, wanted), "build_core.py", "hatch_build.py"} - held):
         yield f"{file} is missing"
     yield from (f"{file} is compiled" for file in sorted(held) if file.endswith(build_core.SUFFIX))
+    yield from (f"{file} is a key" for file in sorted(held) if file.endswith(".key"))
 
 
 def _of_any(path: Path) -> Iterator[str]:

@@ -103,7 +103,8 @@ async def launch(settings: Settings) -> AgentLink:
     gate ends before it is ready; its last line on standard error tells the reason.
     """
     own, far = link.pair()
-    words = [sys.executable, "-m", "field.gate", "--link", str(far.fileno())]
+    # -P: never take a folder `field` in the working directory for our package
+    words = [sys.executable, "-P", "-m", "field.gate", "--link", str(far.fileno())]
     with far:
         child = subprocess.Popen(words, stdin=subprocess.PIPE, pass_fds=(far.fileno(),), start_new_session=True)
     if child.stdin is not None:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 
 from fes.errors import FesError, MessageError, Unavailable
+from fes.model import counts
 from fes.protocol import messages
 from fes.protocol.robot_control import RUNNING
 from fes.protocol.robot_report import encode_robot_report
@@ -35,7 +36,7 @@ class Robot:
     def __init__(self, file: RobotFile, robot: int, boot: int, publish: Callable[[bytes], None]) -> None:
         """`publish` puts a RobotReport; it must not wait."""
         self.logger = logging.getLogger(f"robot.{robot}")
-        self.senses = Senses(robot, round(MEMORY / file.dt))
+        self.senses = Senses(robot, counts.ticks(MEMORY, file.dt))
         self.skipped = 0
         """Ticks without a step, because the process was suspended."""
         self._clock = TickClock(file.dt, time.time_ns(), time.monotonic_ns())

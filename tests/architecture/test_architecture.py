@@ -202,7 +202,7 @@ def test_the_interface_names_the_console_in_strings_only_and_loads_it_when_it_is
     assert "console.api.scenarios" in after
     in_strings = {
         name
-        for name, path in modules("fes", "agents", "world").items()
+        for name, path in modules("fes", "agents", "world", "field").items()
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Constant) and str(node.value).startswith("console.")
     }

@@ -14,8 +14,10 @@ from console.backends import inprocess
 from console.dashboard import summary
 from tests.support.commands import call, complaint, run_json, vacant
 from tests.support.loop import load
-from tests.support.paths import CONFIGS, PAIR
+from tests.support.paths import CONFIGS, PAIR, ROOT
 from tests.support.processes import LOOP
+
+ROBOT = str(ROOT / "deploy/robots/robot.toml")
 
 
 def test_a_run_prints_one_summary_and_leaves_it_in_the_latest_run_directory(tmp_path: Path) -> None:
@@ -123,6 +125,11 @@ def test_bad_input_is_reported_in_one_line_with_rule_and_value(
         ("fes-world", [PAIR, "--keys", "nowhere"], ["--keys nowhere", "the world needs ca.crt"]),
         ("fes-agent", ["--id", "1-3", "--keys", "nowhere"], ["--keys nowhere", "the robot-1-3 needs ca.crt"]),
         ("fes-agent", ["--id", "1", "--run", "a/b"], ["run's name", "'a/b'"]),
+        ("fes-robot", [], ["FILE"]),
+        ("fes-robot", ["nowhere.toml"], ["nowhere.toml", "No such file"]),
+        ("fes-robot", [ROBOT, "--id", "x"], ["--id", "'x'"]),
+        ("fes-robot", [ROBOT, "--id", "0", "--keys", "nowhere"], ["--keys nowhere", "the robot-0 needs ca.crt"]),
+        ("fes-tabletop", ["nowhere"], ["nowhere", "No such file"]),
     ],
 )
 def test_a_service_rejects_bad_input_in_one_line(

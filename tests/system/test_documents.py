@@ -20,7 +20,10 @@ esac
 """
 """Cheaper runs: a shorter simulated time [s], unless the flag --duration sets another, and fewer processes."""
 
-PROGRAMS = {"fes": "console.cli", "fes-world": "world.process", "fes-agent": "agents.process"}
+PROGRAMS = {
+    "fes": "console.cli", "fes-world": "world.process", "fes-agent": "agents.process",
+    "fes-robot": "field.__main__", "fes-tabletop": "world.tabletop.__main__",
+}  # fmt: skip
 RUN = [page for page in fences.PAGES if any(block.mark == fences.RUN for block in fences.shell(page))]
 PYTHON = [page for page in fences.PAGES if any(block.mark == fences.RUN for block in fences.python(page))]
 

@@ -4,6 +4,7 @@ import ast
 import subprocess
 from pathlib import Path
 
+from fes.system.distribution import PACKAGES
 from tests.support.commands import PROGRAMS, call, complaint
 from tests.support.paths import CONFIGS, ROOT
 
@@ -11,7 +12,7 @@ IN = ["--backend", "inprocess", "--headless", "--json", "--duration", "0.2"]
 
 
 def test_only_one_function_reads_the_text_of_an_error() -> None:
-    for package in ("fes", "agents", "world", "console", "bench"):
+    for package in (*PACKAGES, "bench"):
         for path in (ROOT / package).rglob("*.py"):
             tree = ast.parse(path.read_text(encoding="utf-8"))
             asked = [

@@ -8,9 +8,13 @@ import subprocess
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
 
 from console.backends.process_group import free_port
 from fes.protocol.robot_control import HELD
+from field.gate.launch import launch
 from field.gate.link import TO_AGENT, FrameSocket, pair
 from field.gate.rules.settings import Settings, Timing
 from tests.support.gate_stage import Stage, settings, stage, until
@@ -201,3 +205,19 @@ def test_a_gate_ends_with_its_agent_also_while_it_waits_for_its_endpoints() -> N
     _, errors = child.communicate(timeout=PATIENCE)
     assert child.returncode == 1
     assert errors.splitlines()[-1] == "fes-gate: error: the agent has ended before its gate was ready"
+
+
+def test_no_folder_or_file_in_the_working_directory_takes_the_place_of_a_module_of_the_gate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "field").mkdir()
+    for name in ("field/__init__.py", "random.py"):
+        (tmp_path / name).write_text("raise ImportError('of another project')\n", encoding="utf-8")
+
+    async def main() -> None:
+        async with stage(TIMING) as on:
+            monkeypatch.chdir(tmp_path)
+            async with await launch(on.settings) as link:
+                assert link.progress is not None
+
+    run(main)

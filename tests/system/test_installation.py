@@ -4,6 +4,7 @@ import base64
 import hashlib
 import json
 import shutil
+import subprocess
 import zipfile
 from pathlib import Path
 
@@ -76,6 +77,8 @@ def test_an_installed_wheel_needs_no_clone(installed: Environment, tmp_path: Pat
     ):
         done = installed.call(tmp_path, "fes", *words)
         assert done.returncode == 0, (words, done.stdout, done.stderr)
+    for program, *words in (["fes", "team", "--help"], ["fes-robot", "--help"], ["fes-tabletop", "--help"]):
+        assert installed.call(tmp_path, program, *words).returncode == 0
     summary = json.loads((tmp_path / "runs" / "paper-1" / "summary.json").read_text())
     assert summary["scenario"] == "paper"
     assert (tmp_path / "figures" / "fig5-formation.svg").is_file()
@@ -94,6 +97,15 @@ def test_an_unknown_scenario_of_an_installed_wheel_is_reported_in_one_line_with_
         assert "fes run --help lists all of them" in line
     listed = installed.call(tmp_path, "fes", "run", "--help").stdout.partition("Built-in scenarios:\n")[2]
     assert listed.partition("\n\n")[0].replace(",", " ").split() == builtin.names()
+
+
+def test_a_wheel_holds_each_file_of_its_packages_but_those_in_c(wheel: Path) -> None:
+    words = ["git", "ls-files", *distribution.PACKAGES]
+    listed = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    wanted = {name for name in listed if not name.endswith((".c", ".h"))}
+    assert {"console/web/page.html", "console/foxglove/layout.json", "field/gate/__main__.py"} <= wanted
+    with zipfile.ZipFile(wheel) as archive:
+        assert wanted - set(archive.namelist()) == set()
 
 
 def test_a_wheel_states_its_systems_and_that_it_is_typed(wheel: Path) -> None:

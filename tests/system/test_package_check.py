@@ -21,7 +21,7 @@ from tests.support.source import imports
 
 COMMANDS = {
     "fes": ["doctor"], "fes-world": [str(CONFIGS / "pair.toml")], "fes-agent": ["--id", "0"],
-    "fes-tabletop": ["tabletop"],
+    "fes-robot": ["robot.toml"], "fes-tabletop": ["tabletop"],
 }  # fmt: skip
 
 

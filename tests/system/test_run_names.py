@@ -11,6 +11,7 @@ import pytest
 
 from console.sweep import design
 from fes.system import encoding
+from fes.system.distribution import PACKAGES
 from tests.support.commands import PROGRAMS, call, complaint
 from tests.support.paths import CONFIGS, ROOT
 
@@ -68,7 +69,7 @@ def test_an_argument_in_utf_8_is_read_in_any_locale() -> None:
 
 def test_no_text_file_is_read_or_written_in_the_encoding_of_the_locale() -> None:
     texts = {"read_text", "write_text"}
-    for package in ("fes", "agents", "world", "console"):
+    for package in PACKAGES:
         for path in (ROOT / package).rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in texts:

@@ -60,8 +60,10 @@ def test_a_wheel_for_every_platform_has_no_library(tmp_path: Path) -> None:
 def test_a_source_distribution_without_the_files_in_c_breaks_the_rules(tmp_path: Path) -> None:
     with tarfile.open(tmp_path / "fes_robots-1.0.tar.gz", "w:gz") as archive:
         archive.add(Path(__file__), "fes_robots-1.0/fes/arithmetic/core/elementary.c")
+        archive.add(Path(__file__), "fes_robots-1.0/team-keys/operator.key")
     found = contents.problems(tmp_path / "fes_robots-1.0.tar.gz", SOURCE)
-    assert {"build_core.py is missing", "fes/arithmetic/core/exact.h is missing"} <= set(found)
+    named = {"build_core.py is missing", "fes/arithmetic/core/exact.h is missing", "team-keys/operator.key is a key"}
+    assert named <= set(found)
     assert "fes/arithmetic/core/elementary.c is missing" not in found
 
 
