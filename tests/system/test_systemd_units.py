@@ -11,15 +11,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import tomli_w
 
 from console.backends import inprocess
 from console.backends.process_group import free_port
 from console.connect import observer
 from console.keys import certificates
+from console.team.robot_tables import robot_tables
+from console.team.table_run import free_datagram_port
 from fes.protocol import keys
 from fes.transport import bus
 from fes.transport.endpoints import Endpoints
-from tests.support import team_keys
+from tests.support import processes, robot_table, team_keys
 from tests.support.commands import PROGRAMS
 from tests.support.loop import load
 from tests.support.paths import CONFIGS, ROOT
@@ -128,7 +131,7 @@ def variables(unit: str) -> dict[str, str]:
 def handed(unit: str, issued: Path, where: Path) -> None:
     """Credentials of a unit, in a directory of their own, as systemd provides them."""
     where.mkdir()
-    for name, path in re.findall(r"^LoadCredential=(.*):/etc/fes/keys/(.*)$", unit, re.MULTILINE):
+    for name, path in re.findall(r"^LoadCredential=(.*):/etc/fes/(?:keys/)?(.*)$", unit, re.MULTILINE):
         shutil.copy(issued / path, where / name)
         (where / name).chmod(0o440)
 
@@ -173,3 +176,39 @@ def test_with_the_drop_ins_a_run_uses_tls_and_each_unit_its_own_files(tmp_path: 
         "world": {"ca.crt", "world.crt", "world.key", "robot-0-1.crt"},
         "agent": {"ca.crt", "robot-0-1.crt", "robot-0-1.key"},
     }
+
+
+@pytest.mark.parametrize("secure", [False, True])
+def test_a_real_robot_needs_only_the_files_of_its_unit_and_ends_when_told_to(tmp_path: Path, secure: bool) -> None:
+    near, radio = f"tcp/127.0.0.1:{free_port()}", f"127.0.0.1:{free_datagram_port()}"
+    tables = robot_tables(load("tabletop.toml"), keys.DEFAULT_RUN, near, radio)
+    tables["radio"]["key_file"] = "team.key"
+    issued = team_keys.directory(tmp_path / "issued", certificates.create(1.0), ["world", "robot-3"])
+    programs = {"table": processes.command("world.tabletop.process", "tabletop", "-l", near, "--radio", radio)}
+    unit, expected = text("fes-robot@.service"), {"robot.toml", "team.key"}
+    if secure:
+        endpoint = tables["team"]["endpoint"] = f"tls/127.0.0.1:{free_port()}"
+        programs["router"] = processes.fes("team", "router", "-l", endpoint, "--keys", str(issued))
+        unit += drop_in("fes-robot@.service")
+        expected |= {"ca.crt", "robot-3.crt", "robot-3.key"}
+    (issued / "robot.toml").write_text(tomli_w.dumps(tables))
+    (issued / "team.key").write_text("0123456789abcdef\n")
+    own, state, log = tmp_path / "credentials", tmp_path / "state", tmp_path / "robot.log"
+    handed(unit.replace("%i", "3"), issued, own)
+    environment = variables(unit) | {"STATE_DIRECTORY": str(state), "CREDENTIALS_DIRECTORY": str(own)}
+    running: list[Process] = []
+    try:
+        for name, words in programs.items():
+            with (tmp_path / f"{name}.log").open("w") as out:
+                running.append(subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=out, stderr=out))
+        robot = start(unit, environment, log, "3")
+        running.append(robot)
+        until(lambda: "ready: run" in log.read_text() or robot.poll() is not None)
+        robot.terminate()
+        assert robot.wait(PATIENCE) == 0, log.read_text()
+    finally:
+        for process in reversed(running):
+            robot_table.end(process)
+    assert f"team network at {tables['team']['endpoint']}" in log.read_text()
+    assert [path.name for path in state.iterdir()] == ["robot-3.mcap"]
+    assert {path.name for path in own.iterdir()} == expected
