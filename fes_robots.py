@@ -1,8 +1,8 @@
 """Entry points of the commands `fes`, `fes-world`, `fes-agent`, `fes-robot` and `fes-tabletop`.
 
-Other projects have packages named `fes`, `agents`, `world` or `console`. If Python found one of those first, each
-command would end in a traceback. So this module, whose name is unique, imports our packages only after two checks:
-Python finds ours, and this system can run them. Before it has a handler for Ctrl-C, it imports very little.
+Other projects may have packages of the same names as ours. If Python found one of those first, each command would end
+in a traceback. So this module, whose name is unique, imports our packages only after two checks: Python finds ours,
+and this system can run them. Before it has a handler for Ctrl-C, it imports very little.
 """
 
 import signal

@@ -15,12 +15,12 @@ from tests.support.source import arrows
 
 PICTURE = DOCS / "layers.svg"
 
-WIDTH = 900
+WIDTH = 1040
 ROW, BOX_WIDTH, BOX_HEIGHT, GAP = 44, 132, 26, 22
 TOP, MARGIN = 50, 16
 """Height of the heading, and margin around the layers."""
 
-LANES = {"agents": 170.0, "world": 690.0, "fes": 430.0, "field": 170.0, "console": 460.0}
+LANES = {"agents": 240.0, "field": 475.0, "world": 800.0, "fes": 560.0, "console": 800.0}
 """Center of each package's boxes."""
 
 COLORS = {
@@ -187,7 +187,13 @@ def _arrowhead(top: str, color: str) -> str:
 
 
 def _legend() -> list[str]:
-    texts = {"console": "what a person runs", "agents": "robots", "world": "simulated truth", "fes": "shared by all"}
+    texts = {
+        "console": "what a person runs",
+        "agents": "robots",
+        "world": "simulated truth",
+        "field": "real robots",
+        "fes": "shared by all",
+    }
     parts, x = list[str](), float(MARGIN)
     for top, text in texts.items():
         fill, color = COLORS[top]
@@ -195,7 +201,7 @@ def _legend() -> list[str]:
             f'<rect x="{x:.0f}" y="18" width="16" height="16" rx="3" fill="{fill}" stroke="{color}"/>',
             f'<text x="{x + 23:.0f}" y="31" fill="#222222"><tspan font-weight="bold">{top}</tspan> {text}</text>',
         ]
-        x += 215
+        x += 205
     return parts
 
 

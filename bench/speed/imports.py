@@ -21,7 +21,7 @@ PYTHON, FES, COMMAND = "Python", "fes", "command"
 """Names of rows: the interpreter with what fes imports of the standard library; our modules; the start of Python."""
 
 GROUPS = {
-    **dict.fromkeys(("agents", "fes", "world"), FES),
+    **dict.fromkeys(("agents", "console", "fes", "field", "world"), FES),
     **dict.fromkeys(("annotated_types", "pydantic_core", "typing_extensions", "typing_inspection"), "pydantic"),
 }
 """Package -> row, where the row has another name."""

@@ -13,7 +13,7 @@ from importlib import metadata
 from pathlib import Path
 
 NAME = "fes-robots"
-"""Name of the distribution; the import names are fes, agents, world and console."""
+"""Name of the distribution; `PACKAGES` are its import names."""
 
 STRANGER = "fes"
 """Name of a distribution that is not ours: another project's, or this one before version 0.2.0."""

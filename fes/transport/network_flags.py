@@ -1,7 +1,7 @@
 """Flags that say how a program reaches a run, in one table for both parsers of command lines.
 
 The services fes-world and fes-agent use argparse, because importing Typer costs memory and time in every agent. The
-command `fes` uses Typer.
+command `fes` uses Typer. The services fes-robot and fes-tabletop use argparse too, with flags of their own.
 """
 
 from pathlib import Path
