@@ -39,6 +39,7 @@ async def serve(flags: argparse.Namespace) -> int:
     radio_settings = file.radio.settings(flags.file.parent)
     boot, logger = secrets.randbelow(MAX_BOOT), logging.getLogger(f"robot.{robot}")
     team = Endpoints("client", (file.team.endpoint,), timeout=flags.timeout, security=security)
+    logger.info("waiting for the driver at %s and the team's network at %s", file.body.endpoint, file.team.endpoint)
     async with contextlib.AsyncExitStack() as stack:
         gate = await stack.enter_async_context(await launch.launch(settings))
         opened = await stack.enter_async_context(bus.opened(team))

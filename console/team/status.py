@@ -72,11 +72,11 @@ def _decoded(robot: int, payload: bytes | None) -> RobotReport | None:
 
 
 def table(states: Sequence[State]) -> Table:
-    """The states, for a terminal of 80 columns or more; the pose is x [m], y [m] and heading."""
+    """The states, for a terminal of 80 columns or more; the pose is x, y and heading."""
     rows = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1), collapse_padding=True)
     for name in ("robot", "gate", "agent"):
         rows.add_column(name, no_wrap=True)
-    for name in ("pose", "age", "links", "estimate"):
+    for name in ("pose [m]", "age", "links", "estimate"):
         rows.add_column(name, no_wrap=True, justify="right")
     rows.add_column("reason", overflow="fold", min_width=REASON)
     for state in states:

@@ -64,9 +64,19 @@ def run(
 
 
 def was_busy(result: dict[str, Any]) -> bool:
-    """True if the machine could not keep up with real time: the bodies or the robots stood still."""
-    beacons = result["beacons"]
-    return bool(result["bodies_lost_s"] > LOST or beacons["concealed"] > CONCEALED * max(1, beacons["heard"]))
+    """True if the machine could not keep up with real time."""
+    return bool(_delay(result))
+
+
+def _delay(result: dict[str, Any]) -> str:
+    """The line that says why a run is not in real time; empty if it is."""
+    lost, beacons = result["bodies_lost_s"], result["beacons"]
+    if lost > LOST:
+        return f"the machine was too busy for real time: the bodies stood still for {lost:.1f} s"
+    share = beacons["concealed"] / max(1, beacons["heard"])
+    if share > CONCEALED:
+        return f"{100 * share:.1f} % of the beacons came late: the machine was too busy, or the run too short"
+    return ""
 
 
 def conclusion(result: dict[str, Any], reports: list[str], directory: Path, verbose: bool = False) -> list[str]:
@@ -90,7 +100,7 @@ def _lines(result: dict[str, Any]) -> list[str]:
         f"optimum r*: {_length(result['optimal_separation'])}",
         f"mean estimate: {estimate[0]}; error at the end {estimate[1]}",
         f"separations of {result['links']} links: {separation[0]}; rms error {separation[1]}",
-        *(["the machine was too busy for real time: bodies or robots stood still at times"] * was_busy(result)),
+        *filter(None, [_delay(result)]),
     ]
 
 

@@ -8,7 +8,7 @@ import contextlib
 import os
 import socket
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Coroutine
 from pathlib import Path
 from signal import SIGTERM
 from typing import Any
@@ -78,7 +78,9 @@ class TableRun:
         robots = list(range(self._scenario.robots.number))
         try:
             await self._start(robots)
-            async with bus.opened(Endpoints("client", (self._endpoint,), timeout=PATIENCE)) as session:
+            async with contextlib.AsyncExitStack() as stack:
+                opening = bus.opened(Endpoints("client", (self._endpoint,), timeout=PATIENCE))
+                session = await self._while_all_run(stack.enter_async_context(opening))
                 await self._ready(session, robots)
                 await asyncio.sleep(SETTLING)
                 run_directory.announce(self._directory, Address(self._endpoint, keys.DEFAULT_RUN, os.getpid()))
@@ -117,6 +119,19 @@ class TableRun:
 
     async def _child(self, name: str, module: str, arguments: list[str], log: str) -> None:
         self._children.append(await managed_process.start(name, module, arguments, self._directory / log))
+
+    async def _while_all_run(self, work: Coroutine[Any, Any, Bus]) -> Bus:
+        """The result of `work`; raises FesError as soon as a process of the team ends."""
+        task, watch = asyncio.create_task(work), asyncio.create_task(self._watch(counting.ignore))
+        try:
+            await asyncio.wait((task, watch), return_when=asyncio.FIRST_COMPLETED)
+            if watch.done():
+                watch.result()
+            return await task
+        finally:
+            task.cancel()
+            watch.cancel()
+            await asyncio.gather(task, watch, return_exceptions=True)
 
     async def _ready(self, session: Bus, robots: list[int]) -> None:
         """Wait until the gates and agents of all robots are alive; raises FesError."""

@@ -94,7 +94,7 @@ class Reader:
                     raise FesError(f"{self.path} is not a log: it is not an MCAP file")
                 yield from self._blocks(file)
         except OSError as error:
-            raise FesError(f"{self.path} cannot be read: {reason(error)}") from None
+            raise FesError(f"{self.path} cannot be read: {reason(error, with_file=False)}") from None
 
     def within(self, data: bytes, place: int) -> Iterator[McapRecord]:
         """The records in the unpacked data of the chunk at `place`; raises Damaged."""

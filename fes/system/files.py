@@ -46,7 +46,7 @@ def read_table(path: Path, limit: int = MAX_TABLE) -> dict[str, Any]:
     try:
         table = strict_json.loads(read(path, limit))
     except OSError as error:
-        raise FesError(f"{path} cannot be read: {reason(error)}") from None
+        raise FesError(f"{path} cannot be read: {reason(error, with_file=False)}") from None
     except ValueError as error:
         raise FesError(f"{path} cannot be read: it is not JSON: {error}") from None
     if not isinstance(table, dict):

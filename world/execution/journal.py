@@ -40,7 +40,7 @@ class Journal:
         try:
             self._file = open(path, "xb", buffering=0, opener=hashed_file.append)  # noqa: SIM115
         except OSError as error:
-            raise FesError(f"cannot write {path}: {reason(error)}") from None
+            raise FesError(f"cannot write {path}: {reason(error, with_file=False)}") from None
         head = _HEAD.pack(_MAGIC, number, checksum, 0)[:-4]
         self._write(head + zlib.crc32(head).to_bytes(4, "little"))
 
@@ -72,7 +72,7 @@ class Journal:
                 return
             self.failure = FesError(f"cannot write {self.path}: there is no room")
         except OSError as error:
-            self.failure = FesError(f"cannot write {self.path}: {reason(error)}")
+            self.failure = FesError(f"cannot write {self.path}: {reason(error, with_file=False)}")
         raise self.failure
 
 

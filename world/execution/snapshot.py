@@ -132,7 +132,7 @@ def read(path: Path) -> Snapshot:
     try:
         first, _, rest = files.read(path, LARGEST).partition(b"\n")
     except OSError as error:
-        raise FesError(f"{path} cannot be read: {reason(error)}") from None
+        raise FesError(f"{path} cannot be read: {reason(error, with_file=False)}") from None
     match = _FIRST.fullmatch(first)
     if match is None:
         raise FesError(f"{path} is not a checkpoint")

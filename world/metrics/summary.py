@@ -131,7 +131,7 @@ def _write(path: Path, text: str) -> None:
     except OSError as error:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
-        raise FesError(f"cannot write {path}: {reason(error)}") from None
+        raise FesError(f"cannot write {path}: {reason(error, with_file=False)}") from None
 
 
 def _edges(links: Edges, separation: Floats, estimates: Floats) -> list[list[float | int | None]]:

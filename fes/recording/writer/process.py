@@ -59,7 +59,7 @@ def main() -> None:
     except FesError as error:
         why = str(error)
     except OSError as error:
-        why = f"cannot write {path}: {reason(error)}"
+        why = f"cannot write {path}: {reason(error, with_file=False)}"
     except BaseException as error:
         why = f"cannot write {path}: {type(error).__name__}: {' '.join(str(error).split())}"
     _send(outgoing, frames.pack(frames.FAILED, why))

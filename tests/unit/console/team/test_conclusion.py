@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from console.team.table_command import BELOW, conclusion
+from console.team.table_command import BELOW, conclusion, was_busy
 
 RESULT: dict[str, Any] = {
     "robots": 10,
@@ -41,3 +41,17 @@ def test_a_team_without_links_has_no_error() -> None:
     lines = conclusion(RESULT | {"links": 0, "separation_time": None, "separation_error_rms": None}, [], Path("x"))
     assert lines[-1] == "10 robots, no links"
     assert any("rms error unknown" in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("lost", "concealed", "line"),
+    [
+        (0.2, 30, ""),
+        (1.4, 50, "the machine was too busy for real time: the bodies stood still for 1.4 s"),
+        (0.2, 50, "5.0 % of the beacons came late: the machine was too busy, or the run too short"),
+    ],
+)
+def test_a_line_says_why_a_run_is_not_in_real_time(lost: float, concealed: int, line: str) -> None:
+    result = RESULT | {"bodies_lost_s": lost, "beacons": {"concealed": concealed, "heard": 1000}}
+    assert was_busy(result) == bool(line)
+    assert [text for text in conclusion(result, [], Path("x")) if "busy" in text] == [line] * bool(line)
