@@ -22,6 +22,7 @@ from fes.recording import reader
 from fes.system import fingerprint, strict_json
 from world.config import builtin
 from world.config.scenario import Scenario, load
+from world.metrics.summary import ROBOTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -197,6 +198,9 @@ def _executed_again(directory: Path) -> History:
     if not scenario.is_file() or not (directory / "summary.json").is_file():
         raise FesError(f"{directory} is not a run directory: it lacks scenario.toml or summary.json")
     summary, loaded = processes.read_summary(directory), load(scenario)
+    if summary.get("clock") == ROBOTS:
+        advice = f"`fes replay {directory} --all` checks it"
+        raise FesError(f"{directory} is a run of real robots, without figures: {advice}")
     ticks = summary.get("ticks")
     if not isinstance(ticks, int) or not 1 <= ticks <= loaded.ticks or "digest" not in summary:
         raise FesError(f"{directory / 'summary.json'} is not a summary of {scenario.name}: it lacks ticks or digest")

@@ -90,7 +90,7 @@ class TeamRecorder:
         They are those of the last report with a robot alive: often the robots leave before the observer.
         """
         report = self._alive
-        head = {"clock": "robots", "fes": version(), "begun": self._begun, "ended": time.time()}
+        head = {"clock": summary.ROBOTS, "fes": version(), "begun": self._begun, "ended": time.time()}
         if report is None:
             return {**head, "robots": 0, "reports": 0}
         mean = belief.mean_estimate(report)

@@ -37,6 +37,7 @@ from fes.transport import bus
 from fes.transport.bus import Bus
 from fes.transport.endpoints import Endpoints
 from world.config.scenario import Scenario
+from world.metrics import summary
 from world.metrics.optimum import optimal_separation
 
 PATIENCE = 60.0
@@ -89,7 +90,7 @@ class TableRun:
             run_directory.withdraw(self._directory)
             await self._end()
         return {
-            "clock": "robots",
+            "clock": summary.ROBOTS,
             "robots": len(robots),
             **self._result.summary(started, read_truth(self._directory / TRUTH)),
             "beacons": dict(self._team.totals()),

@@ -21,6 +21,9 @@ from world.metrics import graphs, link_errors
 from world.metrics.collector import MetricsCollector
 from world.simulation.channel import Radio
 
+ROBOTS = "robots"
+"""Clock in the summary of a run of real robots; a world's is `lockstep` or `realtime`."""
+
 
 @np.errstate(over="ignore", invalid="ignore")
 def summarize(metrics: MetricsCollector, name: str, backend: str, wall: float) -> dict[str, Any]:

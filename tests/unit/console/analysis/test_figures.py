@@ -70,6 +70,9 @@ def test_a_run_is_drawn_from_its_directory_and_only_if_its_digest_is_reproduced(
     (tmp_path / "summary.json").write_text(json.dumps({**result, "digest": "0" * 64}))
     with pytest.raises(FesError, match="cannot be executed again bit for bit"):
         analysis_command.plot(str(tmp_path))
+    (tmp_path / "summary.json").write_text(json.dumps({"clock": "robots"}))
+    with pytest.raises(FesError, match=r"is a run of real robots, without figures: `fes replay .* --all` checks it$"):
+        analysis_command.plot(str(tmp_path))
     (tmp_path / "empty").mkdir()
     with pytest.raises(FesError, match="is not a run directory"):
         analysis_command.plot(str(tmp_path / "empty"))

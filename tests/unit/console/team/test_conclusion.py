@@ -10,6 +10,7 @@ from console.team.table_command import BELOW, conclusion, was_busy
 RESULT: dict[str, Any] = {
     "robots": 10,
     "links": 13,
+    "moved_s": 60.0,
     "optimal_separation": 68.1138,
     "mean_estimate_error": -0.0812,
     "estimate_time": 12.8,
@@ -44,14 +45,16 @@ def test_a_team_without_links_has_no_error() -> None:
 
 
 @pytest.mark.parametrize(
-    ("lost", "concealed", "line"),
+    ("moved", "lost", "concealed", "line"),
     [
-        (0.2, 30, ""),
-        (1.4, 50, "the machine was too busy for real time: the bodies stood still for 1.4 s"),
-        (0.2, 50, "5.0 % of the beacons came late: the machine was too busy, or the run too short"),
+        (60.0, 0.2, 30, ""),
+        (60.0, 0.2, 50, "the machine was too busy for real time: 5.0 % of the beacons came late"),
+        (5.0, 0.2, 50, ""),
+        (5.0, 1.4, 0, "the machine was too busy for real time: the bodies stood still for 1.4 s"),
     ],
 )
-def test_a_line_says_why_a_run_is_not_in_real_time(lost: float, concealed: int, line: str) -> None:
-    result = RESULT | {"bodies_lost_s": lost, "beacons": {"concealed": concealed, "heard": 1000}}
+def test_a_line_says_why_a_run_is_not_in_real_time(moved: float, lost: float, concealed: int, line: str) -> None:
+    beacons = {"concealed": concealed, "heard": 1000}
+    result = RESULT | {"moved_s": moved, "bodies_lost_s": lost, "beacons": beacons}
     assert was_busy(result) == bool(line)
     assert [text for text in conclusion(result, [], Path("x")) if "busy" in text] == [line] * bool(line)
