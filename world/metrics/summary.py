@@ -22,7 +22,7 @@ from world.metrics.collector import MetricsCollector
 from world.simulation.channel import Radio
 
 ROBOTS = "robots"
-"""Clock in the summary of a run of real robots; a world's is `lockstep` or `realtime`."""
+"""Clock in the summary of a run of real robots; a world's is `lockstep` or `live`."""
 
 
 @np.errstate(over="ignore", invalid="ignore")
