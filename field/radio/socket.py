@@ -19,6 +19,7 @@ from typing import Self
 from fes.errors import FesError, MessageError, TransportError, reason
 from fes.protocol import sealed
 from fes.protocol.sealed import Sealed
+from field.radio import wall_clock
 from field.radio.counters import RadioCounters
 from field.radio.replay_window import ReplayWindow
 from field.radio.settings import RadioSettings
@@ -55,7 +56,7 @@ class Radio:
         self._socket, self._run, self._robot, self._key = opened, run, robot, settings.key
         self._to = None if settings.relay else (settings.group, settings.port)
         self._on_beacon, self._window, self._sequence = on_beacon, ReplayWindow(), 0
-        self._loop, self._read_at = asyncio.get_running_loop(), time.monotonic_ns()
+        self._loop, self._since = asyncio.get_running_loop(), time.monotonic_ns()  # no datagram arrives before
 
     @classmethod
     async def opened(cls, settings: RadioSettings, run: str, robot: int, on_beacon: OnBeacon) -> "Radio":
@@ -108,13 +109,13 @@ class Radio:
 
         The time of an arrival is that of the system where it is known, else that of this call.
         """
-        begin, ahead = self._read_at, time.time_ns() - time.monotonic_ns()
+        ahead = wall_clock.ahead()
         called = time.monotonic_ns()
         for _ in range(AT_ONCE):
             try:
                 datagram, extra, _, _ = self._socket.recvmsg(sealed.LONGEST + 1, _ROOM)
             except BlockingIOError:
-                self._read_at = called  # all that was there is read
+                self._since = max(self._since, called)  # all that was there is read
                 return
             except OSError:  # the relay did not listen to what was sent before: it may later
                 continue
@@ -125,7 +126,8 @@ class Radio:
                 elif level == socket.SOL_SOCKET and kind == _SO_TIMESTAMPNS and len(data) >= _STAMP.size:
                     seconds, nanoseconds = _STAMP.unpack(data[: _STAMP.size])
                     # the wall clock may have jumped since
-                    arrived = min(max(seconds * 1_000_000_000 + nanoseconds - ahead, begin), now)
+                    arrived = min(max(seconds * 1_000_000_000 + nanoseconds - ahead, self._since), now)
+            self._since = arrived  # the next datagram was behind it in the queue
             self._take(datagram, arrived)
 
     def _take(self, datagram: bytes, arrived: int) -> None:

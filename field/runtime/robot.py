@@ -14,6 +14,7 @@ from fes.protocol.sealed import Sealed
 from fes.recording.robot_log.recorder import RobotLog
 from field.gate.launch import AgentLink
 from field.gate.link import Command, Progress
+from field.radio import wall_clock
 from field.radio.socket import Radio
 from field.runtime import reports, stepper
 from field.runtime.fixes import Fixes, Pose
@@ -39,7 +40,7 @@ class Robot:
         self.senses = Senses(robot, counts.ticks(MEMORY, file.dt))
         self.skipped = 0
         """Ticks without a step, because the process was suspended."""
-        self._clock = TickClock(file.dt, time.time_ns(), time.monotonic_ns())
+        self._clock = TickClock(file.dt, wall_clock.ahead(), 0)
         stepper.warm_up(file.agent_config, robot)
         self._stepper = Stepper(file.agent_config, robot, self.senses)
         self._fixes, self._participation = Fixes(self._clock.period), Participation()

@@ -2,11 +2,8 @@
 
 import asyncio
 import contextlib
-import functools
 import socket
 import time
-from collections.abc import Callable, Coroutine
-from typing import ParamSpec
 
 import pytest
 
@@ -16,52 +13,12 @@ from fes.protocol.sealed import Sealed
 from field.radio.replay_window import FORMER_START, REPEATED, SECOND_START, TAKEOVER
 from field.radio.settings import RadioSettings
 from field.radio.socket import SAME_ROBOT, Radio
+from tests.support.ears import KEY, RUN, Ear, awaited, comes, radio
 from tests.support.forwarding import forwarding
 from tests.support.processes import PATIENCE
 
-KEY, RUN = b"the team's key", "main"
-
-
-P = ParamSpec("P")
-
-
-def awaited(test: Callable[P, Coroutine[None, None, None]]) -> Callable[P, None]:
-    """A test that runs in a loop of its own."""
-
-    @functools.wraps(test)
-    def run(*words: P.args, **named: P.kwargs) -> None:
-        asyncio.run(test(*words, **named))
-
-    return run
-
-
-class Ear:
-    """The beacons that a robot's radio hands on."""
-
-    def __init__(self) -> None:
-        self.heard: list[Sealed] = []
-        self.arrived: list[int] = []
-
-    def __call__(self, beacon: Sealed, arrived: int) -> None:
-        self.heard.append(beacon)
-        self.arrived.append(arrived)
-
-
 BURST = 300
 """More datagrams than arrive between two ticks of a large team."""
-
-
-async def comes(condition: Callable[[], bool]) -> None:
-    """Wait until a condition holds."""
-    async with asyncio.timeout(PATIENCE):
-        while not condition():
-            await asyncio.sleep(0.001)
-
-
-async def radio(relay: str, robot: int, ear: Ear, key: bytes = KEY, run: str = RUN) -> Radio:
-    radio = await Radio.opened(RadioSettings(relay=relay, key=key), run, robot, ear)
-    asyncio.get_running_loop().add_reader(radio, radio.receive)
-    return radio
 
 
 @awaited
@@ -218,22 +175,3 @@ async def test_datagrams_that_the_system_drops_while_a_robot_does_not_read_are_t
             await comes(lambda: ear.heard[-1].payload == b"last")
             assert mine.counters.overflowed > 0
             assert len(ear.heard) + mine.counters.overflowed == sent + 1
-
-
-@awaited
-async def test_a_clock_that_jumps_moves_no_arrival(monkeypatch: pytest.MonkeyPatch) -> None:
-    arrivals: list[int] = []
-    async with forwarding() as (relay, address):
-        settings = RadioSettings(relay=address, key=KEY)
-        with await Radio.opened(settings, RUN, 0, lambda beacon, at: arrivals.append(at)) as mine:
-            await comes(lambda: len(relay.robots) == 1)
-            for number, jump in enumerate((0, -3_600_000_000_000, 3_600_000_000_000)):
-                before, wall = time.monotonic_ns(), time.time_ns
-                relay.inject(0, sealed.seal(KEY, RUN, 1, 5, number, b"x"))
-                monkeypatch.setattr(time, "time_ns", lambda wall=wall, jump=jump: wall() + jump)
-                async with asyncio.timeout(PATIENCE):
-                    while len(arrivals) <= number:
-                        mine.receive()
-                        await asyncio.sleep(0.001)
-                monkeypatch.undo()
-                assert before - 1_000_000_000 <= arrivals[-1] <= time.monotonic_ns()
