@@ -129,7 +129,7 @@ async def jump(on: Stage) -> None:
 
 
 async def leave(on: Stage) -> None:
-    on.operator.is_away = True
+    await on.operator.leave()
 
 
 CAUSES = {
@@ -152,7 +152,7 @@ def test_a_cause_of_the_table_stops_the_robot_and_it_stays_stopped(cause: str, s
             await disturb(on)
             assert (await on.reason(STOPPED)).startswith(reason)
             await on.speed(lambda linear: linear == 0.0)
-            on.operator.is_away = False
+            on.operator.hold()
             length = len(on.body.received)
             await until(lambda: len(on.body.received) > length + 10)
             assert on.body.linear == 0.0

@@ -7,17 +7,10 @@ from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import Any
 
+from console.team import permit
 from fes.errors import Rejected, Unavailable
 from fes.protocol import keys
-from fes.protocol.robot_control import (
-    STOPPED,
-    GateStatus,
-    Permit,
-    Start,
-    decode_gate_status,
-    encode_permit,
-    encode_start,
-)
+from fes.protocol.robot_control import STOPPED, GateStatus, Start, decode_gate_status, encode_start
 from fes.transport.bus import Bus
 from field.gate.launch import AgentLink
 from field.gate.link import TO_AGENT, TO_GATE, Command, FrameSocket, pair
@@ -46,17 +39,19 @@ class Operator:
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
-        self._put = bus.declare_publisher(keys.permit(RUN), "fes.Permit", drop=True)
-        self.is_away = False
+        self._permits: asyncio.Task[None] | None = None
 
-    async def permit(self) -> None:
-        """Renew the permit until this task is cancelled."""
-        sequence = 0
-        while True:
-            sequence += 1
-            if not self.is_away:
-                self._put(encode_permit(Permit(1, sequence, time.monotonic_ns())))
-            await asyncio.sleep(0.1)
+    def hold(self) -> None:
+        """Renew the permit, as `fes team permit` does, from now on."""
+        if self._permits is None:
+            self._permits = asyncio.create_task(permit.publish(self._bus, RUN))
+
+    async def leave(self) -> None:
+        """Renew it no longer."""
+        if self._permits is not None:
+            self._permits.cancel()
+            await asyncio.gather(self._permits, return_exceptions=True)
+            self._permits = None
 
     async def start(self) -> GateStatus:
         """Start the robot; raises Rejected."""
@@ -113,13 +108,12 @@ async def stage(timing: Timing = PATIENT, **body: Any) -> AsyncIterator[Stage]:
     async with router() as (_, endpoint), client(endpoint) as of_body, client(endpoint) as of_operator:
         chosen = settings(endpoint, timing, **body)
         ros_body, operator = RosBody(of_body, chosen.body), Operator(of_operator)
-        permits = asyncio.ensure_future(operator.permit())
+        operator.hold()
         try:
             async with publishing(ros_body):
                 yield Stage(endpoint, chosen, ros_body, operator)
         finally:
-            permits.cancel()
-            await asyncio.gather(permits, return_exceptions=True)
+            await operator.leave()
 
 
 @asynccontextmanager

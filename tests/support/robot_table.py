@@ -165,11 +165,14 @@ async def stage(
             tables["body"]["endpoint"] = link.endpoint
             change(tables)
             (folder / "robot.toml").write_text(tomli_w.dumps(tables))
+            ready = asyncio.Event()
+            session.declare_liveliness_subscriber(keys.gate_alive(RUN, 0), lambda key, alive: ready.set())
             started.append(_start(folder / "robot.log", variables, *robot))
             on.robot = started[1]
-            while await on.status() is None:
-                assert on.robot.poll() is None, on.log()
-                await asyncio.sleep(0.1)
+            try:
+                await asyncio.wait_for(ready.wait(), PATIENCE)
+            except TimeoutError:
+                raise AssertionError(on.log()) from None
             yield on
     finally:
         for process in reversed(started):
