@@ -80,10 +80,7 @@ class TableRun:
         try:
             await self._start(robots)
             async with contextlib.AsyncExitStack() as stack:
-                opening = bus.opened(Endpoints("client", (self._endpoint,), timeout=PATIENCE))
-                session = await self._while_all_run(stack.enter_async_context(opening))
-                await self._ready(session, robots)
-                await asyncio.sleep(SETTLING)
+                session = await self._while_all_run(self._prepared(stack, robots))
                 run_directory.announce(self._directory, Address(self._endpoint, keys.DEFAULT_RUN, os.getpid()))
                 started = await self._move(session, robots, frames, watch)
         finally:
@@ -121,9 +118,17 @@ class TableRun:
     async def _child(self, name: str, module: str, arguments: list[str], log: str) -> None:
         self._children.append(await managed_process.start(name, module, arguments, self._directory / log))
 
+    async def _prepared(self, stack: contextlib.AsyncExitStack, robots: list[int]) -> Bus:
+        """A session of the team, whose robots are ready; the stack closes it. Raises FesError."""
+        opening = bus.opened(Endpoints("client", (self._endpoint,), timeout=PATIENCE))
+        session = await stack.enter_async_context(opening)
+        await self._ready(session, robots)
+        await asyncio.sleep(SETTLING)
+        return session
+
     async def _while_all_run(self, work: Coroutine[Any, Any, Bus]) -> Bus:
         """The result of `work`; raises FesError as soon as a process of the team ends."""
-        task, watch = asyncio.create_task(work), asyncio.create_task(self._watch(counting.ignore))
+        task, watch = asyncio.create_task(work), asyncio.create_task(self._watch())
         try:
             await asyncio.wait((task, watch), return_when=asyncio.FIRST_COMPLETED)
             if watch.done():
@@ -139,7 +144,6 @@ class TableRun:
         end = time.monotonic() + PATIENCE
         present: set[int] = set()
         while len(present) < len(robots):
-            self._check()
             if time.monotonic() > end:
                 absent = spans(sorted(set(robots) - present))
                 raise Unavailable(f"robots {absent} were not ready within {PATIENCE:g} s")
@@ -191,18 +195,15 @@ class TableRun:
                     frames.history.modes = team.modes(loop.time())
             yield report
 
-    async def _watch(self, watch: Watch) -> None:
+    async def _watch(self, watch: Watch = counting.ignore) -> None:
         """Count ticks, and raise FesError as soon as a process of the team ends."""
         started = time.monotonic()
         while True:
-            self._check()
+            for child in self._children:
+                if not child.runs:
+                    raise FesError(child.verdict())
             watch(int((time.monotonic() - started) / self._scenario.run.dt))
             await asyncio.sleep(PAUSE)
-
-    def _check(self) -> None:
-        for child in self._children:
-            if not child.runs:
-                raise FesError(child.verdict())
 
     async def _end(self) -> None:
         """End all processes: first the robots, whose gates stop the bodies."""
