@@ -144,8 +144,10 @@ def test_a_permit_of_the_operator_keeps_a_robot_moving_and_its_end_stops_it(tmp_
             async with permit.held(operator, RUN):
                 assert gates.is_started(await started(operator, 1))
                 await moves(on, 1)
+            async with asyncio.timeout(PATIENCE):
+                while not gates.is_stopped(answer := await asked(operator, keys.gate_status, 1, PATIENCE)):
+                    await asyncio.sleep(0.01)
             await moves(on, 1, fast=False)
-            answer = await asked(operator, keys.gate_status, 1, PATIENCE)
             assert isinstance(answer, GateStatus)
             assert answer.reason == "the operator's permit has lapsed"
             assert on.speed(0) == 0.0
